@@ -419,7 +419,7 @@ void add_capture(const Commands& program) {
       {"capture --source aravis: --monitor 1 --exposure 15 --poses --corners 13x9 --spacing 15 -o "
        "poses",
        "capture --source aravis: --monitor 1 --exposure 15 --scanner poses/scanner.yaml -o scan"},
-      "Ctrl-C or Esc stops; the poses taken so far are calibrated.");
+      "Ctrl-C, or Esc and Enter, stops; the poses taken so far are calibrated.");
 }
 
 }  // namespace slipstream::app

@@ -226,7 +226,7 @@ void add_view(const Commands& program) {
   command.examples(
       {"view scan", "view cloud.ply --colour depth --snapshot cloud.png --size 1920x1080"},
       "Drag to turn, with the right button to move, wheel to zoom; Tab hides the panel, Esc "
-      "closes.");
+      "and Enter close the window.");
 }
 
 }  // namespace slipstream::app

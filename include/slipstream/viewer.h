@@ -56,7 +56,7 @@ struct ViewSettings {
   float point_size = 1.5F;  ///< point size relative to the point spacing: no gaps from 1
   float brightness = 1;     ///< of grey levels; at 1 the brightest 1 % is white
   bool shaded = true;       ///< shades by slope, if the cloud is a camera's grid
-  bool reflection = true;   ///< reflection in the floor, parallel to the XZ plane
+  bool reflection = false;  ///< reflection in the floor, parallel to the XZ plane
   bool axes = true;
   bool grid = true;          ///< the floor's
   bool three_views = false;  ///< from the front, the side and above side by side, fitted

@@ -276,7 +276,10 @@ const Uncertainty* CloudScreen::uncertainty() {
 }
 
 void CloudScreen::take_key(int key, PanelRequests& requests) {
-  if (key == GLFW_KEY_ESCAPE) closed_ = true;
+  // Esc asks before the window closes; a second Esc takes that back.
+  if (key == GLFW_KEY_ESCAPE) state_.closing = !state_.closing;
+  const bool is_enter = key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER;
+  if (is_enter && state_.closing) requests.close = true;
   if (key == GLFW_KEY_SPACE && source_.statistics) state_.paused = !state_.paused;
   if (key == GLFW_KEY_TAB) state_.shown = !state_.shown;
   if (key == GLFW_KEY_F) requests.fit = true;
@@ -317,6 +320,7 @@ void CloudScreen::answer(const PanelRequests& requests) {
     ask_camera();
   }
 
+  if (requests.close) closed_ = true;
   if (requests.change_setup) change_setup();
   if (requests.save) save();
   if (!requests.open.empty()) open(requests.open);

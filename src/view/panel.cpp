@@ -88,9 +88,13 @@ void draw_view_settings(PanelState& state, PanelRequests& requests) {
   // Colour and size of the points.
   ViewSettings& view = state.view;
   choose("colour", {"depth (1)", "reflectivity (2)", "modulation (3)"}, view.colour);
-  ImGui::SliderFloat("point size", &view.point_size, 0.3F, 6, "%.1f", ImGuiSliderFlags_Logarithmic);
+  name_field("point size");
+  ImGui::SliderFloat("##point size", &view.point_size, 0.3F, 6, "%.1f",
+                     ImGuiSliderFlags_Logarithmic);
   if (view.colour != PointColour::depth) {
-    ImGui::SliderFloat("contrast", &view.brightness, 0.2F, 5, "%.2f", ImGuiSliderFlags_Logarithmic);
+    name_field("contrast");
+    ImGui::SliderFloat("##contrast", &view.brightness, 0.2F, 5, "%.2f",
+                       ImGuiSliderFlags_Logarithmic);
   }
 
   // Further parts of the picture, in two columns.
@@ -149,14 +153,16 @@ void draw_steps(PanelRequests& requests, const ViewSource& source) {
 
   // The choices: a text field, or a drop-down of the options.
   for (ViewChoice& choice : source.steps->choices) {
+    const std::string label = hidden_label(choice.name);
+    name_field(choice.name.c_str());
     if (choice.options.empty()) {
       std::array<char, 1024> text{};
       choice.value.copy(text.data(), text.size() - 1);
       push_tab_stop(true);
-      ImGui::InputText(choice.name.c_str(), text.data(), text.size());
+      ImGui::InputText(label.c_str(), text.data(), text.size());
       pop_tab_stop();
       choice.value = text.data();
-    } else if (ImGui::BeginCombo(choice.name.c_str(), choice.value.c_str())) {
+    } else if (ImGui::BeginCombo(label.c_str(), choice.value.c_str())) {
       for (const std::string& option : choice.options) {
         if (ImGui::Selectable(option.c_str(), option == choice.value)) choice.value = option;
       }
@@ -229,7 +235,8 @@ void draw_scan_settings(PanelState& state, PanelRequests& requests, const ViewSo
   }
 
   auto threshold = static_cast<float>(settings.minimum_modulation);
-  if (ImGui::SliderFloat("min modulation", &threshold, 1, 100, "%.0f of 127")) {
+  name_field("modulation from");
+  if (ImGui::SliderFloat("##modulation from", &threshold, 1, 100, "%.0f of 127")) {
     settings.minimum_modulation = static_cast<double>(threshold);
   }
 
@@ -252,7 +259,9 @@ void draw_camera(PanelState& state, PanelRequests& requests, const ViewSource& s
     // Exposures range from microseconds to minutes: a logarithmic scale, if no value is 0 or less.
     const auto flags =
         ImGuiSliderFlags_AlwaysClamp | (shown.value.least > 0 ? ImGuiSliderFlags_Logarithmic : 0);
-    if (ImGui::SliderFloat(words.name, &value, static_cast<float>(shown.value.least),
+    name_field(words.name);
+    if (ImGui::SliderFloat(hidden_label(words.name).c_str(), &value,
+                           static_cast<float>(shown.value.least),
                            static_cast<float>(shown.value.most), words.shown_as, flags)) {
       shown.value.value = static_cast<double>(value);
     }
@@ -265,22 +274,55 @@ void draw_camera(PanelState& state, PanelRequests& requests, const ViewSource& s
 }
 
 void draw_actions(PanelState& state, PanelRequests& requests, const ViewSource& source) {
+  if (source.save) {
+    requests.save |= large_button(source.opens_saved ? "Capture (S)" : "Save (S)");
+  }
+
   if (source.statistics) {
     state.paused ^= ImGui::Button(state.paused ? "Resume (Space)" : "Pause (Space)");
   }
 
-  if (source.save) {
-    if (source.statistics) ImGui::SameLine();
-    requests.save |= ImGui::Button(source.opens_saved ? "Capture (S)" : "Save (S)");
-  }
-
   if (source.record) {
+    if (source.statistics) ImGui::SameLine();
     const std::string recording = source.recording ? source.recording() : std::string();
     requests.toggle_recording |= ImGui::Button(recording.empty() ? "Record (R)" : "Stop (R)");
     if (!recording.empty()) say(bad, "recording: {}", recording);
   }
 
   if (!state.message.empty()) say(white, "{}", state.message);
+}
+
+/// What is shown, and with which calibration.
+void draw_source(const PanelState& state, const ViewSource& source) {
+  if (source.statistics && state.pixels != 0) {
+    say(state.paused ? doubtful : good, "{}", state.paused ? "paused; capture goes on" : "live");
+  }
+
+  if (!source.setup) return;
+  const Scanner& scanner = source.setup->scanner;
+  if (!has_geometry(scanner)) {
+    say(doubtful, "not calibrated: pictures only");
+  } else if (!scanner.measured.empty()) {
+    say(quiet, "calibrated: {}", scanner.measured);
+  }
+}
+
+/// Asks whether to close, in the middle of the window.
+void draw_closing(PanelState& state, PanelRequests& requests, const Screen& screen) {
+  if (!state.closing) return;
+
+  ImGui::SetNextWindowPos({0.5F * static_cast<float>(screen.window.width),
+                           0.4F * static_cast<float>(screen.window.height)},
+                          0, {0.5F, 0.5F});
+  constexpr ImGuiWindowFlags question = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
+                                        ImGuiWindowFlags_NoMove | ImGuiWindowFlags_AlwaysAutoResize;
+  if (ImGui::Begin("closing", nullptr, question)) {
+    ImGui::TextUnformatted("Close this window?");
+    requests.close |= ImGui::Button("Close (Enter)");
+    ImGui::SameLine();
+    if (ImGui::Button("Go on (Esc)")) state.closing = false;
+  }
+  ImGui::End();
 }
 
 void place_window(float left, float width, const Screen& screen) {
@@ -337,17 +379,18 @@ PanelWidths panel_widths(const PanelState& state, const ViewSource& source, cons
 
 void draw_panel(PanelState& state, PanelRequests& requests, const ViewSource& source,
                 const LiveStatistics& statistics, const Screen& screen) {
+  draw_closing(state, requests, screen);
+
   const PanelWidths widths = panel_widths(state, source, screen);
   if (widths.left <= 0) return;
 
   place_window(0, widths.left, screen);
   if (ImGui::Begin("panel", nullptr, fixed_window)) {
-    ImGui::PushItemWidth(-86 * screen.unit());
-
     push_tab_stop(false);  // Tab would start typing into the next slider
 
     // Actions and problems first, since they must be seen without scrolling.
     draw_steps(requests, source);
+    draw_source(state, source);
     draw_actions(state, requests, source);
     draw_status(state, source, statistics);
 
@@ -377,7 +420,6 @@ void draw_panel(PanelState& state, PanelRequests& requests, const ViewSource& so
             : "drag: turn; right drag: move; wheel: zoom; ");
 
     pop_tab_stop();
-    ImGui::PopItemWidth();
   }
   ImGui::End();
 }

@@ -33,6 +33,7 @@ struct PanelState {
   std::size_t pixels = 0;
   GreyHistogram histogram{};
   double modulation = 0;  ///< median modulation without points, grey levels of 255
+  bool closing = false;   ///< asks whether to close the window
   bool measures = false;  ///< the mouse measures; if false, it turns the cloud
   Measured measured;
   std::array<char, 1024> path{};      ///< path of the file to open
@@ -47,6 +48,7 @@ struct PanelRequests {
   bool fit = false;
   std::optional<Viewpoint> viewpoint{};
   bool save = false;
+  bool close = false;
   bool toggle_recording = false;
   bool change_setup = false;                  ///< PanelState::setup has changed
   std::optional<ShownControl> set_control{};  ///< camera setting changed

@@ -68,6 +68,7 @@ class StudioProgram : public testing::Test {
   void expect_ends() {
     EXPECT_TRUE(comes([] {  // until there is no window
       press("Escape");
+      press("Return");
       std::this_thread::sleep_for(std::chrono::milliseconds(300));
       return std::system("timeout 5 xdotool search --name 'slipstream' > /dev/null 2>&1") != 0;
     }));

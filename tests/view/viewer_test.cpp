@@ -128,8 +128,8 @@ TEST_F(CloudScreenTest, TextGrowsWithLargeWindows) {
 TEST_F(CloudScreenTest, LosesNoKeyBetweenTwoPictures) {
   CloudScreen clouds(source_, {}, nullptr);
   clouds.take_newest();
-  for (const int key :
-       {GLFW_KEY_3, GLFW_KEY_SPACE, GLFW_KEY_6, GLFW_KEY_M, GLFW_KEY_TAB, GLFW_KEY_ESCAPE}) {
+  for (const int key : {GLFW_KEY_3, GLFW_KEY_SPACE, GLFW_KEY_6, GLFW_KEY_M, GLFW_KEY_TAB,
+                        GLFW_KEY_ESCAPE, GLFW_KEY_ENTER}) {
     clouds.press(key);
   }
   drawn(clouds, screen({640, 480}));

@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -14,9 +16,25 @@
 #include "base/throw_if-inl.h"
 #include "io/file.h"
 
+namespace {
+
+/// Memory for stb_truetype, which would leave letters out without it.
+void* memory_or_throw(std::size_t size) {
+  void* const memory = std::malloc(size);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+
+}  // namespace
+
+#define STBTT_malloc(size, user) (static_cast<void>(user), memory_or_throw(size))
+#define STBTT_free(memory, user) (static_cast<void>(user), std::free(memory))
 #define STBTT_STATIC
 #define STB_TRUETYPE_IMPLEMENTATION
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wold-style-cast"
 #include <stb_truetype.h>
+#pragma GCC diagnostic pop
 
 namespace slipstream {
 namespace {

@@ -324,9 +324,11 @@ void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output) {
   // 5. The report names the file as it is now.
   CalibrationReport report{calibration, captures.unused, board, comparison ? &*comparison : nullptr,
                            findings,    &with_flags};
-  report.facts = facts_of_run(output);
-  add_scanner(report.facts, calibration.state.scanner, flags.scanner);
-  if (flags.report) write_page(fs::path(*flags.report) / "report.html", calibration_report(report));
+  if (flags.report) {
+    report.facts = facts_of_run(output);
+    add_scanner(report.facts, calibration.state.scanner, flags.scanner);
+    write_page(fs::path(*flags.report) / "report.html", calibration_report(report));
+  }
 
   output.document = document(flags, report);
 

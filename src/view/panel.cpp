@@ -292,7 +292,7 @@ void draw_actions(PanelState& state, PanelRequests& requests, const ViewSource& 
   if (!state.message.empty()) say(white, "{}", state.message);
 }
 
-/// What is shown, and with which calibration.
+/// The state of the source, and its calibration.
 void draw_source(const PanelState& state, const ViewSource& source) {
   if (source.statistics && state.pixels != 0) {
     say(state.paused ? doubtful : good, "{}", state.paused ? "paused; capture goes on" : "live");

@@ -174,9 +174,11 @@ void write_calibration(const CalibrationResultFlags& flags, const CalibrationRes
   CalibrationReport report{calibration,  result.unused,
                            result.board, comparison ? &*comparison : nullptr,
                            findings,     &with_flags};
-  report.facts = facts_of_run(output);
-  add_scanner(report.facts, scanner, flags.scanner);
-  if (flags.report) write_page(fs::path(*flags.report) / "report.html", calibration_report(report));
+  if (flags.report) {
+    report.facts = facts_of_run(output);
+    add_scanner(report.facts, scanner, flags.scanner);
+    write_page(fs::path(*flags.report) / "report.html", calibration_report(report));
+  }
 
   output.document = document(flags, report);
 

@@ -264,7 +264,16 @@ class ProgramReading {
   std::span<char* const> arguments_;  ///< after the program's name
 };
 
-/// The arguments as a shell takes them.
+/// An argument in quotes, as a shell takes it.
+std::string quoted(std::string_view argument) {
+  std::string text = "'";
+  for (const char letter : argument) {
+    text += letter == '\'' ? std::string(R"('\'')") : std::string(1, letter);
+  }
+  return text + "'";
+}
+
+/// The command as a shell takes it.
 std::string command_text(std::span<char* const> arguments) {
   constexpr std::string_view plain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%";
@@ -273,7 +282,7 @@ std::string command_text(std::span<char* const> arguments) {
   for (const std::string_view argument : arguments.subspan(1)) {
     const bool is_plain =
         !argument.empty() && argument.find_first_not_of(plain) == std::string_view::npos;
-    text += is_plain ? fmt::format(" {}", argument) : fmt::format(" '{}'", argument);
+    text += " " + (is_plain ? std::string(argument) : quoted(argument));
   }
   return text;
 }

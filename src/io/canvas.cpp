@@ -60,7 +60,7 @@ Colour between(Colour from, Colour to, double share) {
 /// The letters of a TrueType font, at one size.
 class OutlineFont {
  public:
-  /// Throws Error if the file is no font.
+  /// Throws Error if the file is not a font.
   explicit OutlineFont(std::vector<std::uint8_t> file) : file_(std::move(file)) {
     throw_if(stbtt_InitFont(&font_, file_.data(), 0) == 0, "not a TrueType font");
     scale_ = stbtt_ScaleForMappingEmToPixels(&font_, 13);

@@ -27,6 +27,7 @@ struct CalibrateGeometryFlags {
   CalibrationResultFlags result;
   std::optional<std::string> measured;
   std::optional<std::string> points;      ///< file to write the corners to
+  std::vector<std::string> more_cameras;  ///< folders of further cameras' poses
 };
 
 /// Calibrates from board scans in several poses; writes and reports the scanner file and the

@@ -1,5 +1,6 @@
 #include "app/simulate.h"
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -63,12 +64,32 @@ void simulate_boards(const SimulateFlags& flags, const VirtualWorld& world,
 
   const Body sheet = sheet_of(board, scanner);
   const int count = *flags.boards;
-  const std::vector<Eigen::Isometry3d> poses = poses_of(sheet, count, scanner);
+  std::vector<Eigen::Isometry3d> poses = poses_of(sheet, count, scanner);
 
-  Progress progress("boards", count);
+  // Nearer to the middle, so that a second camera sees the whole board, too.
+  for (Eigen::Isometry3d& pose : poses) {
+    if (!flags.second_camera) break;
+    pose.translation() = (pose.translation() + working_volume(scanner).centre) / 2;
+  }
+
+  Progress progress("boards", flags.second_camera ? 2 * count : count);
+  const Body printed = misprinted(sheet, world.photometry.physics);
   const std::vector<std::string> names =
-      save_board_scans(folder, sequence, world, misprinted(sheet, world.photometry.physics), poses,
-                       [&] { progress.advance(); });
+      save_board_scans(folder, sequence, world, printed, poses, [&] { progress.advance(); });
+
+  // The same poses for a second camera, in a folder beside this one.
+  if (flags.second_camera) {
+    VirtualWorld posed = world, second;
+    std::vector<Eigen::Isometry3d> seen;
+    for (const Eigen::Isometry3d& pose : poses) {
+      posed.scene = {printed};
+      posed.scene.front().pose = pose;
+      second = seen_from_second(posed);
+      seen.push_back(second.scene.front().pose);
+    }
+    save_board_scans(flags.folder + "-2", sequence, second, printed, seen,
+                     [&] { progress.advance(); });
+  }
 
   progress.finish();
   output.say("took a board ({}, {}x{}), spacing {:g} mm, in {} poses of {}, into {}",
@@ -105,7 +126,6 @@ void simulate(const SimulateFlags& flags, Output& output) {
            "--guard needs patterns along one axis, and a projector of 64 pixels or more across it");
 
   if (flags.boards) {
-    throw_if(flags.second_camera, "--second-camera needs a scene; it does not work with --boards");
     return simulate_boards(flags, world, sequence, output);
   }
 
@@ -156,9 +176,10 @@ void add_boards_flags(CLI::App& simulate, SimulateFlags& flags) {
   boards->group("Board");
 
   // The board takes the scene's place, and each pose is scanned along both axes, in grey.
-  FlagGroup{simulate}.exclude("--boards", {"--scene", "--mesh", "--mesh-size", "--reflectivity",
-                                           "--move", "--turn", "--vibrate", "--breathe", "--axis",
-                                           "--colour", "--primaries", "--paint", "--guard"});
+  FlagGroup{simulate}.exclude(
+      "--boards",
+      {"--scene", "--mesh", "--mesh-size", "--reflectivity", "--move", "--turn", "--vibrate",
+       "--breathe", "--axis", "--colour", "--primaries", "--paint", "--guard"});
 
   add_board_flags(simulate, flags.board);
 
@@ -173,8 +194,10 @@ void add_simulate_flags(CLI::App& command, SimulateFlags& flags) {
                  "scanner file to imitate; default: an example");
 
   group.add("--unquantised", flags.unquantised, "64-bit float frames, neither rounded nor clipped");
-  group.add("--second-camera", flags.second_camera,
-            "add a second camera on the other side of the projector; its scan goes into second/");
+  group.add(
+      "--second-camera", flags.second_camera,
+      "add a second camera on the other side of the projector; its scan goes into second/, its "
+      "boards into a folder whose name ends in -2");
   group.add("--colour", flags.in_colour,
             "colour camera and projector: three patterns per picture, with 20 % crosstalk between "
             "channels");

@@ -12,11 +12,13 @@
 
 #include "app/calibrate_boards.h"
 #include "app/process.h"
+#include "base/numbers.h"
 #include "calibrate/pose_guide.h"
 #include "codes/guard_sequence.h"
 #include "frames/colour_channels.h"
 #include "io/image_file.h"
 #include "live/cyclic_scans.h"
+#include "simulate/turned_scene.h"
 #include "slipstream/scan_files.h"
 #include "slipstream/scan_job.h"
 #include "slipstream/strategy.h"
@@ -297,12 +299,18 @@ void take_scan(const CaptureFlags& flags, const CaptureRig& rig, Output& output)
                               "findings", checked.findings);
 }
 
-CaptureRig open_rig(const CaptureFlags& flags, Output& output) {
+/// `turn`: of the virtual turntable, degrees.
+CaptureRig open_rig(const CaptureFlags& flags, Output& output, double turn = 0) {
   require_good(flags);
   CaptureRig rig{.projector = open_projector(flags.monitor)};
   PatternSink* const projector = rig.projector.sink;
-  const SourceRequest request =
+  SourceRequest request =
       request_for(flags, projector != nullptr ? projector->size() : std::nullopt);
+  if (flags.turntable.views && request.world) {
+    VirtualWorld& world = *request.world;
+    world.scene = turned_scene(world.scene, world.scanner, turn * degree);
+    world.photometry.seed += static_cast<std::uint64_t>(std::abs(turn) * 1e3);
+  }
 
   const bool boards = flags.poses && scheme_of(request.source) == "virtual";
   rig.opened = boards ? virtual_boards(flags, request) : open(request, output);
@@ -331,8 +339,29 @@ void take_poses_in_window(const CaptureFlags& flags, Output& output) {
 #endif
 }
 
+/// Takes a scan in each position of the table.
+void take_turns(const CaptureFlags& flags, Output& output) {
+  const double step = turn_step(flags.turntable);
+  const bool is_virtual = scheme_of(flags.source.source) == "virtual";
+
+  for (int view = 1; view <= *flags.turntable.views; ++view) {
+    // The virtual table turns by itself.
+    const bool by_hand = !is_virtual || !flags.turntable.command.empty();
+    if (view > 1 && by_hand) turn_table(flags.turntable, view, output);
+
+    CaptureFlags of_view = flags;
+    of_view.output = folder_of_view(flags.output, view);
+    const CaptureRig rig = open_rig(of_view, output, (view - 1) * step);
+    take_scan(of_view, rig, output);
+  }
+
+  output.document = nlohmann::json::object();
+  tell_views(flags.turntable, flags.output, output);
+}
+
 void capture(const CaptureFlags& flags, Output& output) {
   require_good(flags);
+  if (flags.turntable.views) return take_turns(flags, output);
   if (flags.poses && !flags.headless) {
     require_desktop();
     return take_poses_in_window(flags, output);
@@ -403,6 +432,16 @@ void add_capture(const Commands& program) {
       ->expected(0, 1)
       ->default_str("0");
 
+  add_turntable_flags(command, flags.turntable);
+  command.add(
+      "--turn-command", flags.turntable.command,
+      "with --turntable: command that turns the table before each further view, with {step} "
+      "in degrees and {view}; default: wait for Enter. Not from a rig file");
+  command.exclude("--turntable", {"--poses"});
+  for (const char* const flag : {"--turn-step", "--turn-command"}) {
+    command.app.get_option(flag)->needs("--turntable");
+  }
+
   command.add("--headless", flags.headless, "no window; print a line whenever the advice changes");
   command.add("--size", flags.size, "size of the guide window, pixels");
   command.add_output("--screenshot", flags.screenshot, "final picture of the guide window: .png");
@@ -418,7 +457,8 @@ void add_capture(const Commands& program) {
   command.examples(
       {"capture --source aravis: --monitor 1 --exposure 15 --poses --corners 13x9 --spacing 15 -o "
        "poses",
-       "capture --source aravis: --monitor 1 --exposure 15 --scanner poses/scanner.yaml -o scan"},
+       "capture --source aravis: --monitor 1 --exposure 15 --scanner poses/scanner.yaml -o scan",
+       "capture --source aravis: --monitor 1 --scanner poses/scanner.yaml --turntable 12 -o views"},
       "Ctrl-C or Esc stops; the poses taken so far are calibrated.");
 }
 

@@ -10,6 +10,7 @@
 #include "app/board_flags.h"
 #include "app/monitor_projector.h"
 #include "app/source_flags.h"
+#include "app/turntable.h"
 #include "frames/scan_camera.h"
 #include "slipstream/named_source.h"
 #include "slipstream/sequence.h"
@@ -24,6 +25,7 @@ struct CaptureFlags {
   std::optional<int> monitor;
   double settle = 100;  ///< ms
   std::optional<int> poses;
+  TurntableFlags turntable;
   BoardFlags board;
   bool headless = false;
   Size size{1280, 800};

@@ -8,11 +8,14 @@
 #include "app/board_flags.h"
 #include "app/process.h"
 #include "app/source_flags.h"
+#include "app/turntable.h"
+#include "base/numbers.h"
 #include "base/stopwatch.h"
 #include "codes/guard_sequence.h"
 #include "io/file.h"
 #include "io/image_file.h"
 #include "io/scan_folder.h"
+#include "simulate/turned_scene.h"
 #include "simulate/virtual_files.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/scan_files.h"
@@ -30,6 +33,7 @@ struct SimulateFlags {
   bool unquantised = false, second_camera = false, in_colour = false, primaries = false;
   bool guard = false;
   double paint = 0;
+  TurntableFlags turntable;
 };
 
 /// Takes pictures of the scene under each of the projector's colours.
@@ -109,6 +113,29 @@ void add_simulated_guard(ScanFiles& files, const Sequence& sequence, VirtualWorl
              guard);
 }
 
+/// Takes a scan of the object in each position of the table, with its own noise.
+void simulate_turns(const SimulateFlags& flags, const VirtualWorld& world, const Sequence& sequence,
+                    Output& output) {
+  const double step = turn_step(flags.turntable);
+  const int views = *flags.turntable.views;
+  Progress progress("views", views);
+
+  for (int view = 0; view < views; ++view) {
+    VirtualWorld turned = world;
+    turned.scene = turned_scene(world.scene, world.scanner, view * step * degree);
+    turned.photometry.seed += static_cast<std::uint64_t>(view);
+    save_virtual_scan(
+        folder_of_view(flags.folder, view + 1), sequence, turned,
+        take_scan(turned.scanner, turned.scene, pattern_set(sequence), turned.photometry));
+    progress.advance();
+  }
+  progress.finish();
+
+  const TurnAxis axis = turntable_axis(world.scanner);
+  tell_views(flags.turntable, flags.folder, output);
+  describe(output.document, "axis_direction", axis.direction, "axis_point_mm", axis.point);
+}
+
 void simulate(const SimulateFlags& flags, Output& output) {
   VirtualWorld world = world_from(flags.devices);
   const Sequence sequence = sequence_for(flags.scan, world.scanner);
@@ -130,6 +157,7 @@ void simulate(const SimulateFlags& flags, Output& output) {
   }
 
   if (flags.primaries) return write_primaries(flags, world, output);
+  if (flags.turntable.views) return simulate_turns(flags, world, sequence, output);
 
   require_valid(world.photometry);
   output.tell_wait("rendering the frames");
@@ -179,7 +207,7 @@ void add_boards_flags(CLI::App& simulate, SimulateFlags& flags) {
   FlagGroup{simulate}.exclude(
       "--boards",
       {"--scene", "--mesh", "--mesh-size", "--reflectivity", "--move", "--turn", "--vibrate",
-       "--breathe", "--axis", "--colour", "--primaries", "--paint", "--guard"});
+       "--breathe", "--axis", "--colour", "--primaries", "--paint", "--guard", "--turntable"});
 
   add_board_flags(simulate, flags.board);
 
@@ -210,6 +238,10 @@ void add_simulate_flags(CLI::App& command, SimulateFlags& flags) {
   group.exclude("--colour", {"--second-camera", "--unquantised", "--primaries", "--guard"});
   group.exclude("--primaries", {"--second-camera", "--unquantised", "--guard"});
   group.exclude("--guard", {"--second-camera"});
+
+  add_turntable_flags(group, flags.turntable);
+  group.exclude("--turntable", {"--second-camera", "--colour", "--primaries", "--guard"});
+  command.get_option("--turn-step")->needs("--turntable");
 
   group.add("--paint", flags.paint,
             "with --colour or --primaries: coloured surfaces that absorb up to this share of a "

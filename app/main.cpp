@@ -35,6 +35,7 @@
 #include "app/capture.h"
 #include "app/convert.h"
 #include "app/live.h"
+#include "app/merge.h"
 #include "app/phase_maps.h"
 #include "app/simulate.h"
 #include "app/tools.h"
@@ -175,6 +176,7 @@ constexpr ProgramCommand program_commands[] = {
 #endif
     {"measure", add_measure, "Measure"},
 #ifdef SLIPSTREAM_ALL_COMMANDS
+    {"merge", add_merge, "Measure"},
     {"height", add_height, "Measure"},
     {"unwrap", add_unwrap, "Measure"},
     {"simulate", add_simulate, "Learn"},

@@ -272,6 +272,10 @@ STARTS = {
     "measure scan": "slipstream simulate scan",
     "measure cloud": "slipstream simulate s --scene sphere; slipstream reconstruct s -o cloud.ply;"
                      " slipstream reconstruct s -o cloud.pcd",
+    "merge view1": "for n in 1 2 3; do slipstream simulate s$n --scene statue --camera 320x240"
+                   " --seed $n; slipstream reconstruct s$n -o view$n.ply; done",
+    "merge scan1": "for n in 1 2; do slipstream simulate scan$n --scene statue --camera 320x240"
+                   " --seed $n; done",
     "unwrap wrapped": "slipstream simulate scan --strategy pmp --frequency 8 --steps 4;"
                       " for f in tiff npy; do slipstream reconstruct scan --phase wrapped.$f; done",
     "view cloud": "slipstream simulate s; slipstream reconstruct s -o cloud.ply",

@@ -1,0 +1,391 @@
+#include "app/merge.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/merge_report.h"
+#include "app/scan_flags.h"
+#include "base/numbers.h"
+#include "base/statistics.h"
+#include "base/stopwatch.h"
+#include "io/model_file.h"
+#include "io/pose_list.h"
+#include "merge/fused_model.h"
+#include "merge/joint_alignment.h"
+#include "merge/model_surface.h"
+#include "merge/start_poses.h"
+#include "merge/turntable.h"
+#include "merge/turntable_views.h"
+
+namespace slipstream::app {
+namespace {
+
+struct MergeFlags {
+  std::vector<std::string> inputs;
+  std::string output, mesh, poses, report, start;
+  std::string unit = "mm";
+  double spacing = 0;
+  bool turntable = false;
+  std::optional<double> turn_step;  ///< degrees
+  CloudFlags input;
+};
+
+/// Millimetres of a unit of length.
+double millimetres_of(const std::string& unit) {
+  static const std::map<std::string, double> units{{"mm", 1}, {"cm", 10}, {"m", 1000}};
+  const auto found = units.find(unit);
+  throw_if(found == units.end(), "--unit '{}': use mm, cm or m", unit);
+  return found->second;
+}
+
+void scale(StoredCloud& stored, double unit) {
+  const auto factor = static_cast<float>(unit);
+  for (Image<float>* image : {&stored.cloud.x, &stored.cloud.y, &stored.cloud.z}) {
+    for (float& value : *image) value *= factor;
+  }
+  if (!stored.uncertainty) return;
+  for (Image<float>* image :
+       {&stored.uncertainty->x, &stored.uncertainty->y, &stored.uncertainty->z}) {
+    for (float& value : *image) value *= factor;
+  }
+}
+
+/// The colours of a cloud that has them; null without.
+template <class AnyCloud>
+const Image<Colour>* colours_of(const AnyCloud& cloud) {
+  if constexpr (requires { cloud.colour.empty(); }) {
+    if (!cloud.colour.empty()) return &cloud.colour;
+  }
+  return nullptr;
+}
+
+/// Diagonal of the box around a view, mm.
+float extent_of(const View& view) {
+  Eigen::AlignedBox3f box;
+  for (const Eigen::Vector3f& point : view.points) box.extend(point);
+  return box.diagonal().norm();
+}
+
+/// Views of one object are of about one size: a factor of a hundred is another unit.
+void require_one_unit(const std::vector<View>& views) {
+  constexpr float most = 100;
+  const auto by_size = [](const View& a, const View& b) { return extent_of(a) < extent_of(b); };
+  const auto [least, largest] = std::minmax_element(views.begin(), views.end(), by_size);
+  throw_if(extent_of(*largest) > most * extent_of(*least),
+           "{} is {:.3g} long and {} is {:.3g}: one of them is in another unit; convert it first",
+           largest->name, extent_of(*largest), least->name, extent_of(*least));
+}
+
+std::vector<View> read_views(const MergeFlags& flags, Output& output) {
+  const double unit = millimetres_of(flags.unit);
+  std::vector<View> views;
+  Progress progress("views", flags.inputs.size());
+
+  for (const std::string& path : flags.inputs) {
+    StoredCloud stored;
+    if (is_cloud_file(path)) {
+      stored = loaded_cloud(path, output);
+      scale(stored, unit);
+    } else {
+      stored = organised_cloud(path, flags.input, output);
+    }
+    views.push_back(naming(path, [&] {
+      return view_of(stored.cloud, uncertainty_of(stored), path, colours_of(stored.cloud));
+    }));
+    progress.advance();
+  }
+
+  require_one_unit(views);
+
+  // Most programs of other fields write metres.
+  constexpr float smallest = 5;
+  const float extent = extent_of(views.front());
+  if (extent < smallest && unit == 1) {
+    output.warn(fmt::format("{} is only {:.2g} mm long; if its unit is the metre, give --unit m",
+                            views.front().name, extent));
+  }
+  return views;
+}
+
+/// The listed pose of each input: by its name, file name or stem, or in their order.
+std::vector<const ListedPose*> matched(const std::vector<ListedPose>& listed,
+                                       const std::vector<std::string>& inputs) {
+  std::vector<const ListedPose*> poses(inputs.size());
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    const fs::path path(inputs[i]);
+    for (const ListedPose& pose : listed) {
+      const bool same = pose.name == inputs[i] || pose.name == path.filename().string() ||
+                        pose.name == path.stem().string();
+      if (same && poses[i] == nullptr) {
+        poses[i] = &pose;
+        ++found;
+      }
+    }
+  }
+  if (found > 0) return poses;
+
+  throw_if(listed.size() != inputs.size(), "its {} names match no view, and there are {} views",
+           listed.size(), inputs.size());
+  for (std::size_t i = 0; i < inputs.size(); ++i) poses[i] = &listed[i];
+  return poses;
+}
+
+/// Poses from the file, in the sense in which the views meet.
+std::vector<std::optional<Eigen::Isometry3d>> start_poses(const MergeFlags& flags,
+                                                          const std::vector<PreparedView>& views,
+                                                          Output& output) {
+  const std::vector<ListedPose> listed = read_pose_list(flags.start, millimetres_of(flags.unit));
+  const auto of_views = naming(flags.start, [&] { return matched(listed, flags.inputs); });
+
+  std::vector<std::optional<Eigen::Isometry3d>> last(views.size()), first(views.size());
+  bool are_matrices = true;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (of_views[i] == nullptr) continue;
+    last[i] = of_views[i]->scalar_last;
+    first[i] = of_views[i]->scalar_first;
+    are_matrices &= of_views[i]->is_matrix;
+  }
+
+  const std::vector<PoseReading> readings = pose_readings(views, last, first, are_matrices);
+  constexpr double least = 0.05;
+  throw_if(
+      readings.front().overlap < least,
+      "{}: the views do not meet in any of {} readings of its poses (best: {}, overlap {:.0f} %); "
+      "check its unit, or leave out --start",
+      flags.start, readings.size(), readings.front().sense, 100 * readings.front().overlap);
+
+  output.say("{}: read as {}: overlap {:.0f} %; the next best reading: {:.0f} %", flags.start,
+             readings.front().sense, 100 * readings.front().overlap, 100 * readings[1].overlap);
+  output.add("start", described("file", flags.start, "sense", readings.front().sense, "overlap",
+                                readings.front().overlap, "next_overlap", readings[1].overlap));
+  return readings.front().poses;
+}
+
+nlohmann::json json_of(const Eigen::Isometry3d& pose) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (int row = 0; row < 4; ++row) {
+    rows.push_back({pose(row, 0), pose(row, 1), pose(row, 2), pose(row, 3)});
+  }
+  return rows;
+}
+
+/// Prints how the views and pairs fit.
+void tell_joint(const MergeFlags& flags, const JointAlignment& joint, Output& output) {
+  for (std::size_t i = 0; i < flags.inputs.size(); ++i) {
+    nlohmann::json view = described("view", flags.inputs[i], "joined", joint.poses[i].has_value());
+    if (joint.poses[i]) {
+      view["pose"] = json_of(*joint.poses[i]);
+    } else {
+      view["reason"] = joint.reasons[i];
+    }
+    output.list("views").push_back(std::move(view));
+  }
+
+  output.list("pairs");
+  for (const ViewLink& link : joint.links) {
+    const PairAlignment& fit = link.alignment;
+    output.say(
+        "{} and {}: overlap {:.0f} %, distances {:.3f} mm in the median, {:.3f} mm at 95 % "
+        "(noise: {:.3f} mm)",
+        flags.inputs[link.first], flags.inputs[link.second], 100 * fit.overlap, fit.median,
+        fit.percentile_95, fit.noise);
+    output.add_to("pairs", "first", flags.inputs[link.first], "second", flags.inputs[link.second],
+                  "overlap", fit.overlap, "median_mm", fit.median, "p95_mm", fit.percentile_95,
+                  "rms_mm", fit.rms, "noise_mm", fit.noise, "uncertain_mm", fit.weakest_sigma,
+                  "loop_error_mm", link.loop_error, "closes_loop", link.closes_loop);
+  }
+  output.list("refused");
+  for (const ViewLink& link : joint.refused) {
+    output.add_to("refused", "first", flags.inputs[link.first], "second", flags.inputs[link.second],
+                  "refusal", name_of(link.alignment.refusal), "reason", link.alignment.reason);
+  }
+
+  if (joint.loop_error) {
+    output.say("loop error: {:.3f} mm, {:.4f} degrees", *joint.loop_error, *joint.loop_turn);
+  }
+  output.add("loop_error_mm", joint.loop_error, "loop_error_deg", joint.loop_turn);
+}
+
+/// Refuses views that do not fit, or with --anyway warns of them.
+void refuse_left_out(const MergeFlags& flags, const JointAlignment& joint, Output& output) {
+  std::string text;
+  for (std::size_t i = 0; i < flags.inputs.size(); ++i) {
+    if (joint.poses[i]) continue;
+    if (!text.empty()) text += "; ";
+    text += fmt::format("{} does not join the others: {}", flags.inputs[i], joint.reasons[i]);
+  }
+  if (text.empty()) return;
+
+  const bool enough = joint.joined() >= 2;
+  throw_if(!enough, "{}", text);
+  throw_if(!flags.input.anyway, "{}; --anyway merges the other {} views", text, joint.joined());
+  output.warn(text);
+}
+
+/// Names the view that was moved by hand.
+void tell_moved(const MergeFlags& flags, const MovedView& moved, Output& output) {
+  output.warn(fmt::format(
+      "{} does not lie as the turntable turned it: the object was moved {} by {:.2f} degrees and "
+      "{:.2f} mm, so that the views keep their own poses",
+      flags.inputs[moved.view], moved.stays ? "before this view" : "for this view alone",
+      moved.turn / degree, moved.shift));
+  output.add("moved", described("view", flags.inputs[moved.view], "stays", moved.stays, "turn_deg",
+                                moved.turn / degree, "shift_mm", moved.shift));
+}
+
+/// Finds the turntable's axis and steps, and lets the views lie on it.
+void settle_on_turntable(const MergeFlags& flags, const std::vector<PreparedView>& views,
+                         JointAlignment& joint, Output& output) {
+  const std::vector<PairPose> pairs = pair_poses(joint.links);
+  TurntableSettings settings;
+  if (flags.turn_step) settings.step = *flags.turn_step * degree;
+
+  TurntableFit fit = fit_turntable(views.size(), pairs, settings);
+  refine_on_surfaces(views, pairs, fit, flags.turn_step.has_value());
+
+  const Turntable& table = fit.table;
+  output.say(
+      "turntable: axis ({:.5f}, {:.5f}, {:.5f}), uncertain by {:.4f} degrees, through "
+      "({:.3f}, {:.3f}, {:.3f}) mm, uncertain by {:.4f} mm",
+      table.direction.x(), table.direction.y(), table.direction.z(), table.direction_sigma / degree,
+      table.point.x(), table.point.y(), table.point.z(), table.point_sigma);
+  output.say("{}", table.step ? fmt::format("step {:.4f} degrees, uncertain by {:.4f}",
+                                            *table.step / degree, table.step_sigma / degree)
+                              : std::string("the steps differ"));
+
+  nlohmann::json angles = nlohmann::json::array();
+  for (const double angle : table.angles) angles.push_back(angle / degree);
+  output.add("turntable", described("direction", table.direction, "direction_sigma_deg",
+                                    table.direction_sigma / degree, "point_mm", table.point,
+                                    "point_sigma_mm", table.point_sigma, "step_sigma_deg",
+                                    table.step_sigma / degree, "angles_deg", angles));
+
+  if (fit.moved) return tell_moved(flags, *fit.moved, output);
+  for (std::size_t i = 0; i < views.size(); ++i) joint.poses[i] = fit.poses[i];
+}
+
+void write_outputs(const MergeFlags& flags, const JointAlignment& joint, const FusedModel& model,
+                   Output& output) {
+  if (!flags.output.empty()) {
+    write_model(flags.output, model);
+    output.add_file("model", flags.output);
+  }
+  if (!flags.mesh.empty()) {
+    write_surface(flags.mesh, surface_of(mesh_of(model)));
+    output.add_file("mesh", flags.mesh);
+  }
+  if (!flags.poses.empty()) {
+    std::vector<std::pair<std::string, Eigen::Isometry3d>> poses;
+    for (std::size_t i = 0; i < flags.inputs.size(); ++i) {
+      if (joint.poses[i]) poses.emplace_back(flags.inputs[i], *joint.poses[i]);
+    }
+    write_pose_list(flags.poses, poses);
+    output.add_file("poses", flags.poses);
+  }
+  if (!flags.report.empty()) {
+    write_merge_report(flags.report, flags.inputs, joint, model);
+    output.add_file("report", flags.report);
+  }
+}
+
+void merge(const MergeFlags& flags, Output& output) {
+  throw_if(flags.inputs.size() < 2, "merge joins two or more views; only {} is given",
+           flags.inputs.size());
+  if (!flags.output.empty()) require_model_ending(flags.output);
+  if (!flags.mesh.empty()) require_mesh_ending(flags.mesh);
+  Stopwatch watch;
+
+  // 1. The views.
+  std::vector<View> read = read_views(flags, output);
+  const float cell = keypoint_cell(read);
+  std::vector<PreparedView> views;
+  for (View& view : read) views.emplace_back(std::move(view), cell);
+
+  // 2. Their poses.
+  JointSettings settings;
+  if (!flags.start.empty()) settings.starts = start_poses(flags, views, output);
+  settings.progress = progress_of("joining");
+  JointAlignment joint = join_views(views, settings);
+  settings.progress = nullptr;
+  if (flags.turntable && joint.joined() == views.size()) {
+    settle_on_turntable(flags, views, joint, output);
+  } else if (flags.turntable) {
+    output.warn("the turntable's axis is not sought, since not all views join");
+  }
+  tell_joint(flags, joint, output);
+  refuse_left_out(flags, joint, output);
+
+  // 3. The model.
+  std::vector<const View*> sources;
+  for (const PreparedView& view : views) sources.push_back(&view.view());
+  const FusedModel model = fuse(sources, joint.poses, static_cast<float>(flags.spacing));
+
+  std::vector<double> sigmas, disagreements;
+  for (const ModelPoint& point : model.points) {
+    sigmas.push_back(point.sigma);
+    if (point.views > 1) disagreements.push_back(point.disagreement);
+  }
+  const double sigma = median(std::move(sigmas));
+  std::optional<double> disagreement;
+  if (!disagreements.empty()) disagreement = median(std::move(disagreements));
+  const double seconds = watch.lap();
+  output.say("{} of {} views, {} points {:.3g} mm apart, sigma {:.3f} mm in the median; {:.1f} s",
+             joint.joined(), views.size(), model.points.size(), model.spacing, sigma, seconds);
+  output.add("joined", joint.joined(), "points", model.points.size(), "spacing_mm", model.spacing,
+             "median_sigma_mm", sigma, "median_disagreement_mm", disagreement, "seconds", seconds);
+
+  // 4. The files.
+  write_outputs(flags, joint, model, output);
+}
+
+}  // namespace
+
+void add_merge(const Commands& program) {
+  const auto [command, flags] = program.add(
+      merge, "merge", "join clouds or scans of one object, or of one scene, to one model");
+
+  required(command.add_file("views", flags.inputs,
+                            "two or more clouds (.ply, .pcd, .xyz, ...) or scan folders, in the "
+                            "order in which they were taken"));
+  command.add_output("-o,--output", flags.output,
+                     "write the model's points: .ply with standard deviation, number of views and "
+                     "disagreement, .pcd or .xyz");
+  command.add_output("--mesh", flags.mesh, "write the model's surface: .ply, .stl, .obj or .glb");
+  command.add_output("--poses", flags.poses, "write each view's pose in the model as text");
+  command.add_output("--report", flags.report, "write a page with pairs, residuals and pictures");
+  command.add_file(
+      "--start", flags.start,
+      "poses to start from: a line for each view with its name, x y z and a quaternion, "
+      "or a matrix; optional");
+  command.add("--unit", flags.unit, "unit of the clouds and of --start: mm, cm or m");
+  command.add("--spacing", flags.spacing, "distance of the model's points, mm; 0: as in the views")
+      ->check([](const std::string& text) {
+        const double spacing = std::strtod(text.c_str(), nullptr);
+        require_in_range(spacing >= 0, "--spacing", spacing, "0 (as the views) or more");
+        return std::string();
+      });
+
+  command.add("--turntable", flags.turntable,
+              "the views were taken in order while the object turned about one axis: find the axis "
+              "and the angles, and name a view that was moved by hand");
+  command
+      .add("--turn-step", flags.turn_step, "with --turntable: degrees from view to view, if known")
+      ->needs("--turntable");
+
+  add_cloud_flags(command.app, flags.input);
+  command.common({"--output", "--mesh", "--poses", "--report", "--start", "--unit"});
+  command.examples(
+      {"merge view1.ply view2.ply view3.ply -o model.ply --report merge.html",
+       "merge scan1 scan2 --mesh model.stl --poses poses.txt"},
+      "Finds the poses by itself. Refuses views that fit in more than one way, such as "
+      "planes and spheres. The model is in the frame of the first view.");
+}
+
+}  // namespace slipstream::app

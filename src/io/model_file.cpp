@@ -1,0 +1,98 @@
+#include "io/model_file.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "base/numbers.h"
+#include "io/file.h"
+#include "io/point_elements.h"
+#include "slipstream/cloud_file.h"
+
+namespace slipstream {
+namespace fs = std::filesystem;
+namespace {
+
+std::string model_ply(const FusedModel& model) {
+  std::string file = fmt::format(
+      "ply\nformat binary_little_endian 1.0\ncomment slipstream, frame of the first view, mm\n"
+      "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float nx\nproperty float ny\nproperty float nz\n{}"
+      "property float sigma\nproperty float disagreement\nproperty ushort views\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
+      model.points.size(), ply_intensity);
+
+  for (const ModelPoint& point : model.points) {
+    const std::uint8_t grey = grey_level(point.intensity);
+    const Colour colour = model.coloured ? point.colour : Colour{grey, grey, grey};
+    append_numbers(file, point.position, point.normal, double{point.intensity}, point.sigma,
+                   point.disagreement, point.views, colour.red, colour.green, colour.blue);
+  }
+  return file;
+}
+
+/// Sets the colours of a cloud or surface that has them.
+template <class Coloured, class Colours>
+void set_colours(Coloured& coloured, const Colours& colours) {
+  if constexpr (requires { coloured.colour = colours; }) coloured.colour = colours;
+}
+
+}  // namespace
+
+void require_model_ending(const fs::path& path) {
+  require_ending(path, "format of models", {".ply", ".pcd", ".xyz"});
+}
+
+void write_model(const fs::path& path, const FusedModel& model) {
+  require_model_ending(path);
+  if (lower_case_extension(path) == ".ply") {
+    write_file(path, model_ply(model));
+    return;
+  }
+
+  // The other formats as clouds of one row.
+  const Size size{static_cast<int>(model.points.size()), 1};
+  Cloud cloud(size);
+  Normals normals{Image<float>(size), Image<float>(size), Image<float>(size)};
+  Image<Colour> colours(model.coloured ? size : Size{});
+
+  for (int i = 0; i < size.width; ++i) {
+    const ModelPoint& point = model.points[static_cast<std::size_t>(i)];
+    cloud.x(i, 0) = point.position.x();
+    cloud.y(i, 0) = point.position.y();
+    cloud.z(i, 0) = point.position.z();
+    cloud.intensity(i, 0) = point.intensity;
+    cloud.validity(i, 0) = Validity::valid;
+    normals.x(i, 0) = point.normal.x();
+    normals.y(i, 0) = point.normal.y();
+    normals.z(i, 0) = point.normal.z();
+    if (model.coloured) colours(i, 0) = point.colour;
+  }
+  if (model.coloured) set_colours(cloud, colours);
+  write_cloud(path, cloud, {.normals = &normals});
+}
+
+Surface surface_of(const ModelMesh& mesh) {
+  // A ramp of all grey levels, from which each vertex takes its own.
+  constexpr int levels = 256;
+  Surface surface{.triangles = mesh.triangles, .picture = Image<std::uint8_t>({levels, 1})};
+  for (int level = 0; level < levels; ++level) {
+    surface.picture(level, 0) = static_cast<std::uint8_t>(level);
+  }
+
+  std::vector<Colour> colours;
+  for (const ModelPoint& vertex : mesh.vertices) {
+    surface.vertices.push_back(vertex.position);
+    surface.intensity.push_back(vertex.intensity);
+    const auto grey = static_cast<float>(grey_level(vertex.intensity));
+    surface.texture.emplace_back((grey + 0.5F) / levels, 0.5F);
+    colours.push_back(vertex.colour);
+  }
+  if (mesh.coloured) set_colours(surface, colours);
+  return surface;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+
+#include "merge/fused_model.h"
+#include "merge/model_surface.h"
+#include "slipstream/surface.h"
+
+namespace slipstream {
+
+/// Throws Error unless write_model supports the file's ending.
+void require_model_ending(const std::filesystem::path& path);
+
+/// Writes the points of a model, in its frame, mm, by the file's ending:
+///   .ply  binary little-endian PLY: x y z nx ny nz intensity sigma disagreement views red green
+///         blue; sigma and disagreement in mm, see ModelPoint;
+///   .pcd, .xyz  as write_cloud: x y z intensity and the normals.
+/// Throws Error for another ending, WorldError if it cannot be written; never leaves a partial
+/// file.
+void write_model(const std::filesystem::path& path, const FusedModel& model);
+
+/// A mesh for write_surface, with the grey levels of its vertices as texture.
+Surface surface_of(const ModelMesh& mesh);
+
+}  // namespace slipstream

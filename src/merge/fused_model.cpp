@@ -1,0 +1,202 @@
+#include "merge/fused_model.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <span>
+#include <utility>
+
+#include "base/parallel_rows.h"
+#include "base/statistics.h"
+#include "merge/point_grid.h"
+
+namespace slipstream {
+namespace {
+
+/// Points of all views in the model's frame.
+struct AllPoints {
+  std::vector<Eigen::Vector3f> points, normals;
+  std::vector<float> sigma, intensity;
+  std::vector<Colour> colours;
+  std::vector<std::uint16_t> view;
+};
+
+AllPoints collected(const std::vector<const View*>& views,
+                    const std::vector<std::optional<Eigen::Isometry3d>>& poses, bool coloured) {
+  AllPoints all;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (!poses[i]) continue;
+    const View& view = *views[i];
+    const Eigen::Isometry3d& pose = *poses[i];
+    for (std::size_t k = 0; k < view.size(); ++k) {
+      all.points.push_back((pose * view.points[k].cast<double>()).cast<float>());
+      all.normals.push_back((pose.linear() * view.normals[k].cast<double>()).cast<float>());
+      all.sigma.push_back(view.sigma[k]);
+      all.intensity.push_back(view.intensity[k]);
+      if (coloured) all.colours.push_back(view.colours[k]);
+      all.view.push_back(static_cast<std::uint16_t>(i));
+    }
+  }
+  return all;
+}
+
+/// Weighted sums over the points of one view near a place.
+struct ViewSums {
+  std::uint16_t view = 0;
+  double weight = 0, height = 0;
+};
+
+/// Averages the points around `seed` on its surface. Its neighbours are those in a disc across the
+/// normal, so that noise does not decide which belong to it.
+class PointAverage {
+ public:
+  PointAverage(const AllPoints& all, const PointGrid& grid, float spacing)
+      : all_(all), grid_(grid), spacing_(spacing) {}
+
+  [[nodiscard]] ModelPoint at(std::uint32_t seed, bool coloured) const {
+    const Eigen::Vector3f normal = mean_normal(seed);
+    const Eigen::Vector3f& origin = all_.points[seed];
+
+    // 1. The neighbours on the same side of the surface, and their heights over the seed.
+    std::vector<std::pair<std::uint32_t, float>> near;
+    std::vector<double> heights;
+    grid_.for_each_near(origin, reach(), [&](std::uint32_t i, float) {
+      if (!(all_.normals[i].dot(normal) > least_alike)) return;
+      const Eigen::Vector3f offset = all_.points[i] - origin;
+      const float height = offset.dot(normal);
+      if ((offset - height * normal).norm() > radius()) return;
+      near.emplace_back(i, height);
+      heights.push_back(height);
+    });
+
+    // 2. Heights off the middle by more than their noise allows are outliers.
+    const double middle = median(heights);
+    const double spread = robust_deviation(std::move(heights), middle);
+    std::erase_if(near, [&](const auto& point) {
+      const double limit = 4 * std::max<double>(spread, all_.sigma[point.first]);
+      return std::abs(point.second - middle) > limit;
+    });
+
+    return averaged(near, normal, coloured);
+  }
+
+ private:
+  static constexpr float least_alike = 0.5F;
+  [[nodiscard]] float radius() const { return 0.75F * spacing_; }
+  [[nodiscard]] float reach() const { return 2 * spacing_; }
+
+  [[nodiscard]] Eigen::Vector3f mean_normal(std::uint32_t seed) const {
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    grid_.for_each_near(all_.points[seed], reach(), [&](std::uint32_t i, float) {
+      if (all_.normals[i].dot(all_.normals[seed]) > least_alike) sum += all_.normals[i];
+    });
+    return sum.normalized();
+  }
+
+  [[nodiscard]] ModelPoint averaged(const std::vector<std::pair<std::uint32_t, float>>& near,
+                                    const Eigen::Vector3f& normal, bool coloured) const {
+    ModelPoint point{.normal = normal};
+    std::vector<ViewSums> views;
+    Eigen::Vector3d position = Eigen::Vector3d::Zero(), colour = Eigen::Vector3d::Zero();
+    double weights = 0, intensity = 0;
+
+    for (const auto& [i, height] : near) {
+      const double weight = 1 / (double{all_.sigma[i]} * all_.sigma[i]);
+      weights += weight;
+      position += weight * all_.points[i].cast<double>();
+      intensity += weight * all_.intensity[i];
+      if (coloured) {
+        const auto [red, green, blue] = all_.colours[i];
+        colour += weight * Eigen::Vector3d(red, green, blue);
+      }
+
+      auto of_view = std::find_if(views.begin(), views.end(), [&, index = i](const ViewSums& sums) {
+        return sums.view == all_.view[index];
+      });
+      if (of_view == views.end()) {
+        views.push_back({.view = all_.view[i]});
+        of_view = std::prev(views.end());
+      }
+      of_view->weight += weight;
+      of_view->height += weight * height;
+    }
+    if (near.empty()) return point;
+
+    point.position = (position / weights).cast<float>();
+    point.sigma = static_cast<float>(1 / std::sqrt(weights));
+    point.intensity = static_cast<float>(intensity / weights);
+    const auto level = [&](double sum) { return grey_level(static_cast<float>(sum / weights)); };
+    point.colour = {level(colour.x()), level(colour.y()), level(colour.z())};
+    point.views = static_cast<std::uint16_t>(views.size());
+
+    double low = views.front().height / views.front().weight, high = low;
+    for (const ViewSums& sums : views) {
+      low = std::min(low, sums.height / sums.weight);
+      high = std::max(high, sums.height / sums.weight);
+    }
+    point.disagreement = static_cast<float>(high - low);
+    return point;
+  }
+
+  const AllPoints& all_;
+  const PointGrid& grid_;
+  float spacing_;
+};
+
+/// One of the points in each neighbourhood of half a spacing.
+std::vector<ModelPoint> without_doubles(const std::vector<ModelPoint>& points, float spacing) {
+  constexpr float nearest = 0.5F, least_alike = 0.5F;
+
+  std::vector<Eigen::Vector3f> places;
+  for (const ModelPoint& point : points) places.push_back(point.position);
+  const PointGrid grid(places, spacing);
+
+  std::vector<std::uint8_t> dropped(points.size());
+  std::vector<ModelPoint> kept;
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
+    if (dropped[i] != 0) continue;
+    kept.push_back(points[i]);
+    grid.for_each_near(places[i], nearest * spacing, [&](std::uint32_t k, float) {
+      if (points[k].normal.dot(points[i].normal) > least_alike) dropped[k] = 1;
+    });
+  }
+  return kept;
+}
+
+}  // namespace
+
+FusedModel fuse(const std::vector<const View*>& views,
+                const std::vector<std::optional<Eigen::Isometry3d>>& poses, float spacing) {
+  // 1. All points in one frame.
+  FusedModel model{.spacing = spacing, .coloured = true};
+  std::vector<double> spacings;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (!poses[i]) continue;
+    model.coloured &= !views[i]->colours.empty();
+    spacings.push_back(views[i]->spacing);
+  }
+  if (spacings.empty()) return model;
+  if (!(model.spacing > 0)) model.spacing = static_cast<float>(median(spacings));
+  const AllPoints all = collected(views, poses, model.coloured);
+
+  // 2. An average around a point of each cell; cells that noise divides give doubles.
+  const PointGrid grid(all.points, model.spacing);
+  const std::vector<std::uint32_t> seeds = thinned_to_cells(all.points, model.spacing);
+  const PointAverage average(all, grid, model.spacing);
+
+  constexpr std::size_t block = 512;
+  std::vector<ModelPoint> points(seeds.size());
+  for_each_row(static_cast<int>((seeds.size() + block - 1) / block), [&](int row) {
+    const std::size_t first = static_cast<std::size_t>(row) * block;
+    for (std::size_t k = first; k < std::min(first + block, seeds.size()); ++k) {
+      points[k] = average.at(seeds[k], model.coloured);
+    }
+  });
+
+  std::erase_if(points, [](const ModelPoint& point) { return point.views == 0; });
+  model.points = without_doubles(points, model.spacing);
+  return model;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "merge/view.h"
+#include "slipstream/image.h"
+
+namespace slipstream {
+
+/// A point of a model, averaged over the views that saw it; in the model's frame, mm.
+struct ModelPoint {
+  Eigen::Vector3f position = Eigen::Vector3f::Zero();
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit length, outwards
+  float sigma = 0;                                   ///< standard deviation along the normal, mm
+  float disagreement = 0;  ///< largest distance between the means of two views, mm; 0 for one view
+  float intensity = 0;     ///< grey levels of 255
+  Colour colour{};
+  std::uint16_t views = 0;  ///< that saw it
+};
+
+struct FusedModel {
+  std::vector<ModelPoint> points{};
+  float spacing = 0;      ///< of the points, mm
+  bool coloured = false;  ///< whether all views have colours
+};
+
+/// Averages the points of all views, each weighted by 1 / sigma^2, one point about every `spacing`
+/// mm; 0: the median spacing of the views. The points of a view that lie off those of the others by
+/// more than most stay out. `poses`: of each view in the model's frame; nullopt: left out.
+FusedModel fuse(const std::vector<const View*>& views,
+                const std::vector<std::optional<Eigen::Isometry3d>>& poses, float spacing = 0);
+
+}  // namespace slipstream

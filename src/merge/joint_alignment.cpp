@@ -1,0 +1,420 @@
+#include "merge/joint_alignment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+#include <Eigen/Sparse>
+#include <fmt/format.h>
+
+#include "merge/consensus.h"
+
+namespace slipstream {
+namespace {
+
+using Poses = std::vector<std::optional<Eigen::Isometry3d>>;
+
+/// Groups of views that links connect.
+class Groups {
+ public:
+  explicit Groups(std::size_t count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
+  }
+  std::size_t root(std::size_t view) {
+    while (parent_[view] != view) view = parent_[view] = parent_[parent_[view]];
+    return view;
+  }
+  /// False if they were connected already.
+  bool connect(std::size_t a, std::size_t b) {
+    a = root(a);
+    b = root(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+    return a != b;
+  }
+  bool all_connected() {
+    for (std::size_t i = 0; i < parent_.size(); ++i) {
+      if (root(i) != 0) return false;
+    }
+    return true;
+  }
+
+ private:
+  std::vector<std::size_t> parent_;
+};
+
+/// Largest displacement, mm, of the second view's points between a link's pose and one by the
+/// others.
+double contradiction(const PreparedView& second, const Eigen::Isometry3d& pose,
+                     const Eigen::Isometry3d& other) {
+  return largest_displacement(pose, other, second.middle(), second.reach());
+}
+
+/// Pairs to try without a start: neighbours in the list first, then those ever farther apart.
+std::vector<std::pair<std::size_t, std::size_t>> pairs_in_order(std::size_t count) {
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (std::size_t apart = 1; apart <= count / 2; ++apart) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t k = (i + apart) % count;
+      const std::pair pair{std::min(i, k), std::max(i, k)};
+      if (std::find(pairs.begin(), pairs.end(), pair) == pairs.end()) pairs.push_back(pair);
+    }
+  }
+  return pairs;
+}
+
+/// Poses of all views that links connect to the largest group, along the links with most matches.
+/// Marks the links that close loops.
+Poses poses_along(const std::vector<PreparedView>& views, std::vector<ViewLink>& links) {
+  std::stable_sort(links.begin(), links.end(), [](const ViewLink& a, const ViewLink& b) {
+    return a.alignment.matches > b.alignment.matches;
+  });
+
+  Groups groups(views.size());
+  for (ViewLink& link : links) link.closes_loop = !groups.connect(link.first, link.second);
+
+  // The largest group, and of equal ones the first.
+  std::vector<std::size_t> sizes(views.size());
+  for (std::size_t i = 0; i < views.size(); ++i) ++sizes[groups.root(i)];
+  const auto largest = std::max_element(sizes.begin(), sizes.end());
+  Poses poses(views.size());
+  poses[static_cast<std::size_t>(largest - sizes.begin())] = Eigen::Isometry3d::Identity();
+
+  for (bool grows = true; grows;) {
+    grows = false;
+    for (const ViewLink& link : links) {
+      std::optional<Eigen::Isometry3d>&first = poses[link.first], &second = poses[link.second];
+      if (link.closes_loop || first.has_value() == second.has_value()) continue;
+      if (first) {
+        second = *first * link.alignment.pose;
+      } else {
+        first = *second * link.alignment.pose.inverse();
+      }
+      grows = true;
+    }
+  }
+  return poses;
+}
+
+void add_pair(std::size_t first, std::size_t second, PairAlignment alignment,
+              JointAlignment& joint) {
+  auto& list = alignment.joined() ? joint.links : joint.refused;
+  list.push_back({.first = first, .second = second, .alignment = std::move(alignment)});
+}
+
+bool is_tried(const JointAlignment& joint, std::size_t first, std::size_t second) {
+  const auto is_pair = [&](const ViewLink& link) {
+    return link.first == first && link.second == second;
+  };
+  return std::any_of(joint.links.begin(), joint.links.end(), is_pair) ||
+         std::any_of(joint.refused.begin(), joint.refused.end(), is_pair);
+}
+
+/// Aligns pairs without a start until all views are connected.
+void link_without_start(const std::vector<PreparedView>& views, const JointSettings& settings,
+                        JointAlignment& joint) {
+  const auto pairs = pairs_in_order(views.size());
+  Groups groups(views.size());
+
+  for (std::size_t tried = 0; tried < pairs.size(); ++tried) {
+    // Neighbours are all tried, so that a turn around the object closes.
+    const auto [first, second] = pairs[tried];
+    const bool neighbours = second - first == 1 || second - first == views.size() - 1;
+    if (!neighbours && groups.all_connected()) break;
+    if (!neighbours && groups.root(first) == groups.root(second)) continue;
+
+    PairAlignment found = align_views(views[first], views[second], settings.pairs);
+    if (found.joined()) groups.connect(first, second);
+    add_pair(first, second, std::move(found), joint);
+    if (settings.progress) {
+      settings.progress(0.6 * static_cast<double>(tried + 1) / static_cast<double>(pairs.size()));
+    }
+  }
+}
+
+/// Whether boxes around both views, at their poses, come near each other.
+bool may_overlap(const PreparedView& first, const PreparedView& second,
+                 const Eigen::Isometry3d& pose) {
+  return (pose * second.middle() - first.middle()).norm() < 2 * (first.reach() + second.reach());
+}
+
+/// Links all pairs that overlap at the poses so far and were not tried.
+void link_overlapping(const std::vector<PreparedView>& views, const Poses& poses,
+                      const JointSettings& settings, JointAlignment& joint) {
+  for (std::size_t first = 0; first < views.size(); ++first) {
+    for (std::size_t second = first + 1; second < views.size(); ++second) {
+      if (!poses[first] || !poses[second] || is_tried(joint, first, second)) continue;
+
+      const Eigen::Isometry3d start = poses[first]->inverse() * *poses[second];
+      if (!may_overlap(views[first], views[second], start)) continue;
+      if (overlap_at(views[first], views[second], start) < settings.pairs.least_overlap) continue;
+
+      PairAlignment found = refine_alignment(views[first], views[second], start, settings.pairs);
+      // Two views of a plane part tell nothing alone, and contradict nothing.
+      const bool weak = found.refusal == Refusal::slides || found.refusal == Refusal::no_overlap;
+      if (!weak || !settings.starts.empty()) add_pair(first, second, std::move(found), joint);
+    }
+    if (settings.progress) {
+      settings.progress(0.6 +
+                        0.3 * static_cast<double>(first + 1) / static_cast<double>(views.size()));
+    }
+  }
+}
+
+/// Drops the link that contradicts the poses most, if it does by more than a keypoint's cell.
+/// Returns whether one was dropped.
+bool drop_worst(const std::vector<PreparedView>& views, const Poses& poses, JointAlignment& joint) {
+  double worst = 0;
+  std::size_t which = 0;
+  for (std::size_t i = 0; i < joint.links.size(); ++i) {
+    ViewLink& link = joint.links[i];
+    if (!poses[link.first] || !poses[link.second]) continue;
+    const Eigen::Isometry3d by_others = poses[link.first]->inverse() * *poses[link.second];
+    link.loop_error = contradiction(views[link.second], link.alignment.pose, by_others);
+    if (link.loop_error > worst) {
+      worst = link.loop_error;
+      which = i;
+    }
+  }
+  if (joint.links.empty() || worst < views.front().keypoints().cell) return false;
+
+  ViewLink dropped = joint.links[which];
+  dropped.alignment.refusal = Refusal::misfit;
+  dropped.alignment.reason =
+      fmt::format("the other pairs contradict it by {:.3g} mm", dropped.loop_error);
+  joint.refused.push_back(std::move(dropped));
+  joint.links.erase(joint.links.begin() + static_cast<std::ptrdiff_t>(which));
+  return true;
+}
+
+/// Normal equations for small motions, about the origin of the common frame, of all views that have
+/// a pose but the first of them.
+class PoseEquations {
+ public:
+  explicit PoseEquations(const Poses& poses) : place_(poses.size(), -1) {
+    int count = -1;
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      if (poses[i]) place_[i] = count++;
+    }
+    right_ = Eigen::VectorXd::Zero(6 * std::max(count, 0));
+  }
+
+  /// Adds those of a link for a motion of its second view: moving the first has the opposite
+  /// effect.
+  void add(const ViewLink& link, const Matrix6& squares, const Vector6& right) {
+    const int one = place_[link.first], other = place_[link.second];
+    add_block(one, one, squares);
+    add_block(other, other, squares);
+    add_block(one, other, -squares);
+    add_block(other, one, -squares);
+    if (one >= 0) right_.segment<6>(6 * one) -= right;
+    if (other >= 0) right_.segment<6>(6 * other) += right;
+  }
+
+  /// Solves them and moves the poses; returns the largest displacement, mm.
+  [[nodiscard]] double move(const std::vector<PreparedView>& views, Poses& poses) const {
+    if (right_.size() == 0) return 0;
+
+    // A little more on the diagonal holds what no link determines.
+    Eigen::SparseMatrix<double> matrix(right_.size(), right_.size());
+    matrix.setFromTriplets(squares_.begin(), squares_.end());
+    for (Eigen::Index i = 0; i < right_.size(); ++i) matrix.coeffRef(i, i) *= 1 + 1e-9;
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(matrix);
+    const Eigen::VectorXd step = solver.solve(right_);
+    if (solver.info() != Eigen::Success || !step.allFinite()) return 0;
+
+    double most = 0;
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      if (place_[i] < 0) continue;
+      const Eigen::Isometry3d before = *poses[i];
+      Eigen::Isometry3d& pose = *poses[i];
+      pose = motion_about(Eigen::Vector3d::Zero(), step.segment<6>(6 * place_[i])) * pose;
+      pose.linear() = Eigen::Quaterniond(pose.linear()).normalized().matrix();
+      most =
+          std::max(most, largest_displacement(before, pose, views[i].middle(), views[i].reach()));
+    }
+    return most;
+  }
+
+ private:
+  void add_block(int row, int column, const Matrix6& block) {
+    if (row < 0 || column < 0) return;
+    for (int r = 0; r < 6; ++r) {
+      for (int c = 0; c < 6; ++c) {
+        squares_.emplace_back(6 * row + r, 6 * column + c, block(r, c));
+      }
+    }
+  }
+
+  std::vector<int> place_;
+  std::vector<Eigen::Triplet<double>> squares_{};
+  Eigen::VectorXd right_;
+};
+
+/// Spreads the contradictions between the links over all poses; links far off the others lose
+/// weight (Cauchy).
+void balance_links(const std::vector<PreparedView>& views, const std::vector<ViewLink>& links,
+                   Poses& poses) {
+  constexpr int rounds = 20;
+  constexpr double settled = 1e-3;  // spacings
+
+  const double usual = views.front().view().spacing;
+  for (int round = 0; round < rounds; ++round) {
+    PoseEquations equations(poses);
+    for (const ViewLink& link : links) {
+      if (!poses[link.first] || !poses[link.second]) continue;
+
+      // The motion that the link asks of its second view.
+      const PreparedView& second = views[link.second];
+      const Eigen::Isometry3d& pose = *poses[link.second];
+      const Eigen::Isometry3d wanted = *poses[link.first] * link.alignment.pose;
+      const Eigen::Isometry3d motion = wanted * pose.inverse();
+      const Eigen::AngleAxisd turn(motion.linear());
+      const Eigen::Vector3d middle = pose * second.middle();
+      Vector6 step;
+      step << turn.angle() * turn.axis(),
+          motion * middle - middle - turn.angle() * turn.axis().cross(middle);
+
+      // Weighted by how far it moves the view's points.
+      Eigen::Matrix<double, 3, 6> moved;
+      moved << 0, middle.z(), -middle.y(), 1, 0, 0, -middle.z(), 0, middle.x(), 0, 1, 0, middle.y(),
+          -middle.x(), 0, 0, 0, 1;
+      Matrix6 squares = moved.transpose() * moved;
+      squares.diagonal().head<3>().array() += 2.0 / 3 * second.reach() * second.reach();
+      const double off = contradiction(second, wanted, pose);
+      squares *= 1 / (1 + std::pow(off / usual, 2));
+      equations.add(link, squares, squares * step);
+    }
+    if (equations.move(views, poses) < settled * usual) break;
+  }
+}
+
+/// How far the poses along the tree of links are off where further links close loops.
+void measure_loops(const std::vector<PreparedView>& views, const Poses& poses,
+                   JointAlignment& joint) {
+  double squares = 0, turns = 0, loops = 0;
+  for (const ViewLink& link : joint.links) {
+    if (!link.closes_loop || !poses[link.first]) continue;
+    const Eigen::Isometry3d by_tree = poses[link.first]->inverse() * *poses[link.second];
+    const Eigen::Isometry3d difference = by_tree.inverse() * link.alignment.pose;
+    squares += std::pow(contradiction(views[link.second], link.alignment.pose, by_tree), 2);
+    turns += std::pow(Eigen::AngleAxisd(difference.linear()).angle() * 180 / std::numbers::pi, 2);
+    ++loops;
+  }
+  if (loops == 0) return;
+  joint.loop_error = std::sqrt(squares / loops);
+  joint.loop_turn = std::sqrt(turns / loops);
+}
+
+/// Compares each linked pair at the joint poses, in the order of the views.
+void describe_links(const std::vector<PreparedView>& views, const JointSettings& settings,
+                    JointAlignment& joint) {
+  for (ViewLink& link : joint.links) {
+    if (!joint.poses[link.first] || !joint.poses[link.second]) continue;
+    const Eigen::Isometry3d pose = joint.poses[link.first]->inverse() * *joint.poses[link.second];
+    link.loop_error = contradiction(views[link.second], link.alignment.pose, pose);
+    link.alignment = alignment_at(views[link.first], views[link.second], pose, settings.pairs);
+  }
+
+  std::sort(joint.links.begin(), joint.links.end(), [](const ViewLink& a, const ViewLink& b) {
+    return std::pair(a.first, a.second) < std::pair(b.first, b.second);
+  });
+}
+
+/// Why a view stays alone: the reason of its pair with the most matches.
+std::string reason_of(std::size_t view, const std::vector<PreparedView>& views,
+                      const JointAlignment& joint) {
+  const ViewLink* nearest = nullptr;
+  for (const ViewLink& link : joint.refused) {
+    if (link.first != view && link.second != view) continue;
+    if (nearest == nullptr || link.alignment.matches > nearest->alignment.matches) nearest = &link;
+  }
+  if (nearest == nullptr) return "it shares no surface with the joined views";
+
+  const std::size_t other = nearest->first == view ? nearest->second : nearest->first;
+  return fmt::format("with {}: {}", views[other].view().name, nearest->alignment.reason);
+}
+
+}  // namespace
+
+std::size_t JointAlignment::joined() const {
+  return static_cast<std::size_t>(
+      std::count_if(poses.begin(), poses.end(), [](const auto& pose) { return pose.has_value(); }));
+}
+
+void refine_jointly(const std::vector<PreparedView>& views, const std::vector<ViewLink>& links,
+                    int rounds, Poses& poses) {
+  constexpr std::size_t most_matches = 2'000'000;  // of all links together
+  constexpr double settled = 1e-4;                 // spacings
+
+  const std::size_t each = most_matches / std::max<std::size_t>(links.size(), 1);
+  for (int round = 0; round < rounds; ++round) {
+    PoseEquations equations(poses);
+    for (const ViewLink& link : links) {
+      if (!poses[link.first] || !poses[link.second]) continue;
+      const PreparedView &first = views[link.first], &second = views[link.second];
+      const Eigen::Isometry3d& to_common = *poses[link.first];
+      const std::size_t step = (first.sample().size() + second.sample().size()) / each + 1;
+      auto matches = match_surfaces(
+          fine_surface(first), fine_surface(second), to_common.inverse() * *poses[link.second],
+          3 * std::max(first.view().spacing, second.view().spacing), step);
+      for (SurfaceMatch& match : matches) {
+        match.place = to_common * match.place;
+        match.first_normal = to_common.linear() * match.first_normal;
+        match.second_normal = to_common.linear() * match.second_normal;
+      }
+
+      const SurfaceEquations of_link = equations_of(matches, Eigen::Vector3d::Zero());
+      equations.add(link, of_link.squares, of_link.right);
+    }
+
+    if (equations.move(views, poses) < settled * views.front().view().spacing) break;
+  }
+}
+
+JointAlignment join_views(const std::vector<PreparedView>& views, const JointSettings& settings) {
+  JointAlignment joint;
+  joint.reasons.resize(views.size());
+
+  // 1. Pairs: from the starts, or without one; then all others that overlap.
+  const bool started = !settings.starts.empty();
+  if (started) {
+    joint.poses = settings.starts;
+    link_overlapping(views, joint.poses, settings, joint);
+    if (views.size() > 1 && joint.links.empty()) joint.poses.assign(views.size(), std::nullopt);
+  } else {
+    link_without_start(views, settings, joint);
+  }
+  joint.poses = poses_along(views, joint.links);
+  if (!started) link_overlapping(views, joint.poses, settings, joint);
+
+  // 2. The poses that fit all pairs together; pairs that contradict the rest are dropped.
+  joint.poses = poses_along(views, joint.links);
+  measure_loops(views, joint.poses, joint);
+  do {
+    joint.poses = poses_along(views, joint.links);
+    balance_links(views, joint.links, joint.poses);
+  } while (drop_worst(views, joint.poses, joint));
+  refine_jointly(views, joint.links, settings.rounds, joint.poses);
+
+  // 3. In the frame of the first view that is joined.
+  const auto first = std::find_if(joint.poses.begin(), joint.poses.end(),
+                                  [](const auto& pose) { return pose.has_value(); });
+  const Eigen::Isometry3d home =
+      first == joint.poses.end() ? Eigen::Isometry3d::Identity() : (*first)->inverse();
+  for (auto& pose : joint.poses) {
+    if (pose) pose = home * *pose;
+  }
+
+  // 4. How well each pair fits at the joint poses, and why views are left out.
+  describe_links(views, settings, joint);
+  if (joint.joined() < 2) joint.poses.assign(views.size(), std::nullopt);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (!joint.poses[i]) joint.reasons[i] = reason_of(i, views, joint);
+  }
+  if (settings.progress) settings.progress(1);
+  return joint;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,134 @@
+#include "merge/point_grid.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <limits>
+#include <utility>
+
+namespace slipstream {
+namespace {
+
+/// Spreads keys of neighbouring cells over a table of that size, a power of 2.
+std::size_t slot_of(std::uint64_t key, std::size_t size) {
+  return static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ULL) >> 20) & (size - 1);
+}
+
+struct CellPoint {
+  std::uint64_t cell = 0;
+  std::uint32_t point = 0;
+};
+
+std::vector<CellPoint> sorted_by_cell(std::vector<CellPoint> all) {
+  std::sort(all.begin(), all.end(), [](const CellPoint& a, const CellPoint& b) {
+    return std::pair(a.cell, a.point) < std::pair(b.cell, b.point);
+  });
+  return all;
+}
+
+Eigen::Vector3f lowest_corner(std::span<const Eigen::Vector3f> points) {
+  Eigen::Vector3f low = Eigen::Vector3f::Zero();
+  if (!points.empty()) low = points[0];
+  for (const Eigen::Vector3f& point : points) low = low.cwiseMin(point);
+  return low;
+}
+
+}  // namespace
+
+std::uint64_t cell_key(const Eigen::Vector3i& cell) {
+  constexpr std::uint64_t mask = (1U << 21U) - 1;
+  const auto part = [](int number) { return static_cast<std::uint64_t>(number) & mask; };
+  return part(cell.x()) << 42U | part(cell.y()) << 21U | part(cell.z());
+}
+
+PointGrid::PointGrid(std::span<const Eigen::Vector3f> points, float cell)
+    : cell_(cell), origin_(lowest_corner(points)) {
+  // 1. Sort the points by their cell.
+  std::vector<CellPoint> all(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    all[i] = {cell_key(cell_of(points[i])), static_cast<std::uint32_t>(i)};
+  }
+  all = sorted_by_cell(std::move(all));
+
+  points_.reserve(points.size());
+  indices_.reserve(points.size());
+  std::size_t cells = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    points_.push_back(points[all[i].point]);
+    indices_.push_back(all[i].point);
+    if (i == 0 || all[i].cell != all[i - 1].cell) ++cells;
+  }
+
+  // 2. Put each cell's range into the hash table, at most half full.
+  slots_.resize(std::bit_ceil(2 * cells + 1));
+  for (std::size_t first = 0; first < all.size();) {
+    std::size_t end = first;
+    while (end < all.size() && all[end].cell == all[first].cell) ++end;
+
+    std::size_t slot = slot_of(all[first].cell, slots_.size());
+    while (slots_[slot].range.end != 0) slot = (slot + 1) & (slots_.size() - 1);
+    slots_[slot] = {all[first].cell,
+                    {static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(end)}};
+    first = end;
+  }
+}
+
+PointGrid::Range PointGrid::range_of(std::uint64_t key) const {
+  if (slots_.empty()) return {};
+  std::size_t slot = slot_of(key, slots_.size());
+  while (slots_[slot].range.end != 0) {
+    if (slots_[slot].key == key) return slots_[slot].range;
+    slot = (slot + 1) & (slots_.size() - 1);
+  }
+  return {};
+}
+
+std::optional<std::uint32_t> PointGrid::nearest(const Eigen::Vector3f& place, float radius) const {
+  // Most have one very near, which takes eight cells to find.
+  const float first_radius = std::min(radius, cell_ / 2);
+  for (const float reach : {first_radius, radius}) {
+    float least = std::numeric_limits<float>::infinity();
+    std::optional<std::uint32_t> found;
+    for_each_near(place, reach, [&](std::uint32_t index, float squared) {
+      if (squared < least) {
+        least = squared;
+        found = index;
+      }
+    });
+    if (found || reach == radius) return found;
+  }
+  return std::nullopt;
+}
+
+std::vector<std::uint32_t> thinned_to_cells(std::span<const Eigen::Vector3f> points, float cell) {
+  const Eigen::Vector3f origin = lowest_corner(points);
+  std::vector<CellPoint> all(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3i place = ((points[i] - origin) / cell).array().floor().cast<int>();
+    all[i] = {cell_key(place), static_cast<std::uint32_t>(i)};
+  }
+  all = sorted_by_cell(std::move(all));
+
+  // Of each cell the point nearest to the mean: a mean itself would lie off a curved surface.
+  std::vector<std::uint32_t> kept;
+  for (std::size_t first = 0; first < all.size();) {
+    std::size_t end = first;
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    for (; end < all.size() && all[end].cell == all[first].cell; ++end) {
+      sum += points[all[end].point];
+    }
+
+    const Eigen::Vector3f mean = sum / static_cast<float>(end - first);
+    const auto nearer = [&](const CellPoint& a, const CellPoint& b) {
+      return (points[a.point] - mean).squaredNorm() < (points[b.point] - mean).squaredNorm();
+    };
+    const auto begin = all.begin();
+    kept.push_back(std::min_element(begin + static_cast<std::ptrdiff_t>(first),
+                                    begin + static_cast<std::ptrdiff_t>(end), nearer)
+                       ->point);
+    first = end;
+  }
+  return kept;
+}
+
+}  // namespace slipstream

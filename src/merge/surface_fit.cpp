@@ -1,0 +1,227 @@
+#include "merge/surface_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+
+#include <Eigen/Eigenvalues>
+
+#include "base/parallel_rows.h"
+#include "base/statistics.h"
+
+namespace slipstream {
+namespace {
+
+/// The matches of samples of `from` on `to`; `back`: `from` is the first view's surface, so
+/// that the matches are turned round.
+std::vector<SurfaceMatch> matches_on(const SurfaceSamples& from, const SurfaceSamples& to,
+                                     const Eigen::Isometry3d& pose, float farthest,
+                                     std::size_t step, bool back) {
+  const auto sigma_of = [](const SurfaceSamples& surface, std::uint32_t i) {
+    return surface.sigma.empty() ? surface.level_sigma : surface.sigma[i];
+  };
+  const std::size_t count = from.sample.empty() ? from.points.size() : from.sample.size();
+  const Eigen::Isometry3f motion = pose.cast<float>();
+
+  constexpr std::size_t block = 512;
+  const std::size_t taken = (count + step - 1) / step;
+  const std::size_t parts = (taken + block - 1) / block;
+  std::vector<std::vector<SurfaceMatch>> found(parts);
+
+  for_each_row(static_cast<int>(parts), [&](int row) {
+    const auto part = static_cast<std::size_t>(row);
+    for (std::size_t k = part * block; k < std::min(taken, (part + 1) * block); ++k) {
+      const std::size_t place = k * step;
+      const std::uint32_t i =
+          from.sample.empty() ? static_cast<std::uint32_t>(place) : from.sample[place];
+
+      const Eigen::Vector3f point = motion * from.points[i];
+      const Eigen::Vector3f normal = motion.linear() * from.normals[i];
+      const auto partner = partner_of(point, normal, to, farthest);
+      if (!partner) continue;
+
+      SurfaceMatch match{.place = point.cast<double>(),
+                         .first_normal = to.normals[*partner].cast<double>(),
+                         .second_normal = normal.cast<double>(),
+                         .sigma = std::hypot(sigma_of(from, i), sigma_of(to, *partner))};
+      const Eigen::Vector3d apart = to.points[*partner].cast<double>() - match.place;
+      match.distance = match.direction().dot(apart);
+
+      if (back) {
+        // All in the frame of the first view, which is `from` here.
+        const Eigen::Isometry3d home = pose.inverse();
+        match.place = home * to.points[*partner].cast<double>();
+        match.first_normal = from.normals[i].cast<double>();
+        match.second_normal = home.linear() * to.normals[*partner].cast<double>();
+        match.distance = -match.distance;
+      }
+      found[part].push_back(match);
+    }
+  });
+
+  std::vector<SurfaceMatch> all;
+  for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+/// Turns in units of a shift at the extent of the surface.
+Vector6 units_of(double extent) {
+  Vector6 units;
+  units << Eigen::Vector3d::Constant(1 / extent), Eigen::Vector3d::Ones();
+  return units;
+}
+
+}  // namespace
+
+SurfaceSamples coarse_surface(const PreparedView& view) {
+  const Keypoints& keypoints = view.keypoints();
+  return {.points = keypoints.points,
+          .normals = keypoints.normals,
+          .grid = &view.keypoint_grid(),
+          .spacing = keypoints.cell,
+          .level_sigma = 0.1F * keypoints.cell};
+}
+
+SurfaceSamples fine_surface(const PreparedView& view) {
+  return {.points = view.view().points,
+          .normals = view.view().normals,
+          .sigma = view.view().sigma,
+          .sample = view.sample(),
+          .grid = &view.grid(),
+          .spacing = view.view().spacing};
+}
+
+std::optional<std::uint32_t> partner_of(const Eigen::Vector3f& place, const Eigen::Vector3f& normal,
+                                        const SurfaceSamples& other, float farthest) {
+  constexpr float least_alike = 0.7F;  // cosine between the normals
+  constexpr float beside = 1.2F;       // spacings
+
+  const auto nearest = other.grid->nearest(place, farthest);
+  if (!nearest) return std::nullopt;
+  if (!(normal.dot(other.normals[*nearest]) > least_alike)) return std::nullopt;
+
+  // Beyond the other's border the nearest point lies to the side.
+  const Eigen::Vector3f apart = other.points[*nearest] - place;
+  const Eigen::Vector3f along = (normal + other.normals[*nearest]).normalized();
+  const float sideways = (apart - apart.dot(along) * along).norm();
+  return sideways <= beside * other.spacing ? nearest : std::nullopt;
+}
+
+std::vector<SurfaceMatch> match_surfaces(const SurfaceSamples& first, const SurfaceSamples& second,
+                                         const Eigen::Isometry3d& pose, float farthest,
+                                         std::size_t step) {
+  std::vector<SurfaceMatch> all = matches_on(second, first, pose, farthest, step, false);
+  const auto back = matches_on(first, second, pose.inverse(), farthest, step, true);
+  all.insert(all.end(), back.begin(), back.end());
+  return all;
+}
+
+Eigen::Vector3d centre_of(const std::vector<SurfaceMatch>& matches) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const SurfaceMatch& match : matches) sum += match.place;
+  return sum / std::max(static_cast<double>(matches.size()), 1.0);
+}
+
+SurfaceEquations equations_of(const std::vector<SurfaceMatch>& matches,
+                              const Eigen::Vector3d& centre) {
+  SurfaceEquations equations;
+  if (matches.empty()) return equations;
+
+  // The spread of the distances decides which are outliers, not a fixed distance.
+  std::vector<double> sizes;
+  sizes.reserve(matches.size());
+  for (const SurfaceMatch& match : matches) sizes.push_back(std::abs(match.distance) / match.sigma);
+  equations.scale = std::max(deviation_from_median(quantile(sizes, 0.5)), 1.0);
+
+  for (const SurfaceMatch& match : matches) {
+    const double spread = match.sigma * equations.scale;
+    const double weight = tukey_weight(match.distance / spread) / (spread * spread);
+    if (weight == 0) continue;
+
+    const Eigen::Vector3d arm = match.place - centre;
+    const auto row_of = [&](const Eigen::Vector3d& normal) {
+      Vector6 row;
+      row << arm.cross(normal), normal;
+      return row;
+    };
+
+    const Vector6 row = row_of(match.direction());
+    equations.squares.noalias() += weight * row * row.transpose();
+    equations.right += weight * match.distance * row;
+
+    const Vector6 one = row_of(match.first_normal), other = row_of(match.second_normal);
+    equations.information.noalias() +=
+        weight / 2 * (one * other.transpose() + other * one.transpose());
+    equations.weight += weight;
+  }
+
+  return equations;
+}
+
+double extent_of(const std::vector<SurfaceMatch>& matches, const Eigen::Vector3d& centre) {
+  double squares = 0;
+  for (const SurfaceMatch& match : matches) squares += (match.place - centre).squaredNorm();
+  return std::sqrt(squares / std::max(static_cast<double>(matches.size()), 1.0));
+}
+
+WeakestMotion weakest_motion(const SurfaceEquations& equations, double extent) {
+  constexpr double none = 1e-12;
+
+  const Vector6 units = units_of(extent);
+  const Eigen::SelfAdjointEigenSolver<Matrix6> axes(units.asDiagonal() * equations.information *
+                                                    units.asDiagonal());
+  const double least = std::max(axes.eigenvalues()(0), none);
+  return {.slope = std::sqrt(least / std::max(equations.weight, none)),
+          .sigma = 1 / std::sqrt(least),
+          .motion = units.asDiagonal() * axes.eigenvectors().col(0)};
+}
+
+Eigen::Isometry3d motion_about(const Eigen::Vector3d& centre, const Vector6& step) {
+  const Eigen::Vector3d turn = step.head<3>();
+  const Eigen::Matrix3d rotation =
+      turn.norm() > 0 ? Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix()
+                      : Eigen::Matrix3d::Identity();
+  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
+  motion.linear() = rotation;
+  motion.translation() = centre + step.tail<3>() - rotation * centre;
+  return motion;
+}
+
+Eigen::Isometry3d settled_pose(const SurfaceSamples& first, const SurfaceSamples& second,
+                               Eigen::Isometry3d pose, float farthest, float nearest, int rounds,
+                               std::size_t step) {
+  constexpr std::size_t fewest = 30;
+  constexpr double least_known = 1e-4;  // of the best known motion
+  constexpr double settled = 1e-4;      // spacings
+
+  for (int round = 0; round < rounds; ++round) {
+    const auto matches = match_surfaces(first, second, pose, farthest, step);
+    if (matches.size() < fewest) return pose;
+
+    const Eigen::Vector3d centre = centre_of(matches);
+    const SurfaceEquations equations = equations_of(matches, centre);
+
+    const Vector6 units = units_of(extent_of(matches, centre));
+    const Eigen::SelfAdjointEigenSolver<Matrix6> axes(units.asDiagonal() * equations.squares *
+                                                      units.asDiagonal());
+    const Vector6 right = units.asDiagonal() * equations.right;
+    Vector6 move = Vector6::Zero();
+    for (int i = 0; i < 6; ++i) {
+      if (!(axes.eigenvalues()(i) > least_known * axes.eigenvalues()(5))) continue;
+      const auto axis = axes.eigenvectors().col(i);
+      move += axis.dot(right) / axes.eigenvalues()(i) * axis;
+    }
+
+    pose = motion_about(centre, units.asDiagonal() * move) * pose;
+    pose.linear() = Eigen::Quaterniond(pose.linear()).normalized().matrix();
+
+    // Narrow the search; stop once the pose no longer changes at the narrowest.
+    if (farthest == nearest && move.norm() < settled * first.spacing) break;
+    farthest = std::max(nearest, 0.7F * farthest);
+  }
+
+  return pose;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "merge/prepared_view.h"
+
+namespace slipstream {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+/// A view's surface at one resolution; borrows it.
+struct SurfaceSamples {
+  std::span<const Eigen::Vector3f> points{}, normals{};
+  std::span<const float> sigma{};           ///< empty: `level_sigma` for all
+  std::span<const std::uint32_t> sample{};  ///< indices of the points to compare; empty: all
+  const PointGrid* grid = nullptr;
+  float spacing = 0, level_sigma = 0;  ///< mm
+};
+
+SurfaceSamples coarse_surface(const PreparedView& view);
+SurfaceSamples fine_surface(const PreparedView& view);
+
+/// A point of the second surface and the first surface beside it, in the first view's frame.
+struct SurfaceMatch {
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< on the second surface
+  Eigen::Vector3d first_normal = Eigen::Vector3d::Zero();
+  Eigen::Vector3d second_normal = Eigen::Vector3d::Zero();
+  double distance = 0;  ///< of the first surface from the place, along direction()
+  double sigma = 0;     ///< standard deviation of the distance by the noise, mm
+
+  [[nodiscard]] Eigen::Vector3d direction() const {
+    return (first_normal + second_normal).normalized();
+  }
+};
+
+/// The partner of a point on the other surface: at most `farthest` away, beside it by at most
+/// about the spacing, and with a similar normal. nullopt without any.
+std::optional<std::uint32_t> partner_of(const Eigen::Vector3f& place, const Eigen::Vector3f& normal,
+                                        const SurfaceSamples& other, float farthest);
+
+/// Partners of the samples of both surfaces, with the second at `pose`. Takes every `step`-th
+/// sample.
+std::vector<SurfaceMatch> match_surfaces(const SurfaceSamples& first, const SurfaceSamples& second,
+                                         const Eigen::Isometry3d& pose, float farthest,
+                                         std::size_t step = 1);
+
+/// Normal equations of the distances for a small turn (rad) and shift (mm) of the second surface
+/// about `centre`. Distances lose weight beyond the spread of most (Tukey's biweight).
+struct SurfaceEquations {
+  Matrix6 squares = Matrix6::Zero();
+  Vector6 right = Vector6::Zero();
+  /// As `squares`, with the normals of one surface times those of the other: their noise does not
+  /// add to it, so that a plane has no information about motion along it.
+  Matrix6 information = Matrix6::Zero();
+  double weight = 0;  ///< sum over the matches
+  double scale = 1;   ///< spread of the distances, in their standard deviations; at least 1
+};
+
+SurfaceEquations equations_of(const std::vector<SurfaceMatch>& matches,
+                              const Eigen::Vector3d& centre);
+
+/// The least known motion: RMS slope of the surface against it, and its standard deviation, mm, at
+/// `extent` from the centre.
+struct WeakestMotion {
+  double slope = 0, sigma = 0;
+  Vector6 motion = Vector6::Zero();  ///< its turn (rad) and shift (mm) about the centre, any length
+};
+
+WeakestMotion weakest_motion(const SurfaceEquations& equations, double extent);
+
+/// RMS distance of matches from their centre, mm.
+double extent_of(const std::vector<SurfaceMatch>& matches, const Eigen::Vector3d& centre);
+
+/// The motion about `centre` of a turn (rad) and shift (mm).
+Eigen::Isometry3d motion_about(const Eigen::Vector3d& centre, const Vector6& step);
+
+/// Mean place of matches.
+Eigen::Vector3d centre_of(const std::vector<SurfaceMatch>& matches);
+
+/// Moves the second surface to where its distances from the first are least, from `pose`; distances
+/// up to `farthest` at first, `nearest` at last, count. Undetermined motion keeps the start.
+Eigen::Isometry3d settled_pose(const SurfaceSamples& first, const SurfaceSamples& second,
+                               Eigen::Isometry3d pose, float farthest, float nearest, int rounds,
+                               std::size_t step = 1);
+
+}  // namespace slipstream

@@ -1,0 +1,267 @@
+#include "merge/view.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <span>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+
+#include "base/parallel_rows.h"
+#include "base/statistics.h"
+#include "base/throw_if-inl.h"
+#include "merge/point_grid.h"
+
+namespace slipstream {
+namespace {
+
+constexpr std::size_t fewest_points = 100;
+constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+
+/// Calls `body(first, end)` for parts of a range, in parallel.
+template <class Body>
+void for_each_part(std::size_t count, const Body& body) {
+  constexpr std::size_t size = 1024;
+  for_each_row(static_cast<int>((count + size - 1) / size), [&](int part) {
+    const std::size_t first = static_cast<std::size_t>(part) * size;
+    body(first, std::min(first + size, count));
+  });
+}
+
+/// Median distance of a point from its nearest neighbour.
+float median_spacing(std::span<const Eigen::Vector3f> points) {
+  constexpr std::size_t most_looked_at = 2000;
+
+  Eigen::Vector3f low = points[0], high = points[0];
+  for (const Eigen::Vector3f& point : points) {
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
+  }
+
+  // A surface of that extent, evenly covered, has about this spacing; far points may widen it.
+  float cell = (high - low).norm() / std::sqrt(static_cast<float>(points.size()));
+  throw_if(!(cell > 0), "its points all lie at one place");
+
+  const std::size_t step = points.size() / most_looked_at + 1;
+  while (true) {
+    const PointGrid grid(points, cell);
+    std::vector<float> distances;
+    bool crowded = false;
+
+    for (std::size_t i = 0; i < points.size(); i += step) {
+      float least = std::numeric_limits<float>::infinity();
+      int near = 0;
+      grid.for_each_near(points[i], cell, [&](std::uint32_t index, float squared) {
+        ++near;
+        if (index != i && squared > 0) least = std::min(least, squared);
+      });
+      crowded |= near > 2000;
+      distances.push_back(std::sqrt(least));
+    }
+
+    const float middle = quantile(distances, 0.5);
+    // Cells much wider than the spacing are slow, and cells below it miss neighbours.
+    if (std::isinf(middle)) {
+      cell *= 2;
+    } else if (crowded && middle < cell / 8) {
+      cell = 4 * middle;
+    } else {
+      return middle;
+    }
+  }
+}
+
+/// The plane through a point's neighbours.
+struct LocalPlane {
+  Eigen::Vector3f normal = Eigen::Vector3f::Constant(nan);
+  float roughness = nan;  ///< standard deviation from the plane, mm
+};
+
+LocalPlane local_plane(const PointGrid& grid, std::span<const Eigen::Vector3f> points,
+                       const Eigen::Vector3f& place, float radius) {
+  constexpr int fewest = 6;
+
+  int count = 0;
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  Eigen::Matrix3f squares = Eigen::Matrix3f::Zero();
+  grid.for_each_near(place, radius, [&](std::uint32_t index, float) {
+    const Eigen::Vector3f offset = points[index] - place;
+    ++count;
+    sum += offset;
+    squares += offset * offset.transpose();
+  });
+  if (count < fewest) return {};
+
+  const auto n = static_cast<float>(count);
+  const Eigen::Matrix3f scatter = squares - sum * sum.transpose() / n;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> axes;
+  axes.computeDirect(scatter);
+
+  // Neighbours along a line do not determine a normal.
+  if (!(axes.eigenvalues()(1) > 0.02F * axes.eigenvalues()(2))) return {};
+  return {axes.eigenvectors().col(0), std::sqrt(std::max(axes.eigenvalues()(0), 0.0F) / (n - 3))};
+}
+
+/// Roughness below which a fifth of the surface lies: its flattest parts have only the noise.
+float noise_of(std::span<const Eigen::Vector3f> points, const PointGrid& grid, float radius) {
+  constexpr std::size_t most_looked_at = 5000;
+  constexpr double flattest = 0.2;
+
+  std::vector<float> roughness;
+  const std::size_t step = points.size() / most_looked_at + 1;
+  for (std::size_t i = 0; i < points.size(); i += step) {
+    const LocalPlane plane = local_plane(grid, points, points[i], radius);
+    if (std::isfinite(plane.roughness)) roughness.push_back(plane.roughness);
+  }
+  return roughness.empty() ? 0 : quantile(roughness, flattest);
+}
+
+/// Whether the points are as a camera at the origin sees them: in a cone, one behind another only
+/// at a few places.
+bool is_seen_from_origin(std::span<const Eigen::Vector3f> points, float spacing) {
+  constexpr float widest = 0.3F;  // cosine of the angle from the axis
+  constexpr float most_hidden = 0.1F;
+
+  Eigen::Vector3f axis = Eigen::Vector3f::Zero();
+  for (const Eigen::Vector3f& point : points) axis += point.normalized();
+  axis.normalize();
+
+  std::vector<float> ranges;
+  for (const Eigen::Vector3f& point : points) {
+    if (!(point.normalized().dot(axis) > widest)) return false;
+    ranges.push_back(point.norm());
+  }
+
+  // Of the points in each narrow bundle of rays, count those far behind the first.
+  const float middle = quantile(ranges, 0.5);
+  const float bundle = 3 * spacing / middle;
+  const Eigen::Vector3f right = axis.unitOrthogonal(), down = axis.cross(right);
+  std::map<std::pair<int, int>, float> first;
+  const auto bundle_of = [&](const Eigen::Vector3f& point) {
+    const Eigen::Vector3f ray = point / point.dot(axis);
+    return std::pair(static_cast<int>(std::floor(ray.dot(right) / bundle)),
+                     static_cast<int>(std::floor(ray.dot(down) / bundle)));
+  };
+
+  for (const Eigen::Vector3f& point : points) {
+    float& least = first.try_emplace(bundle_of(point), point.norm()).first->second;
+    least = std::min(least, point.norm());
+  }
+
+  std::size_t hidden = 0;
+  for (const Eigen::Vector3f& point : points) {
+    if (point.norm() > first.at(bundle_of(point)) + 20 * spacing) ++hidden;
+  }
+  return static_cast<float>(hidden) < most_hidden * static_cast<float>(points.size());
+}
+
+/// The points of these indices.
+View kept_of(const View& view, const std::vector<std::uint32_t>& kept) {
+  View few{.name = view.name,
+           .spacing = view.spacing,
+           .sigma_known = view.sigma_known,
+           .from_origin = view.from_origin};
+  for (const std::uint32_t i : kept) {
+    few.points.push_back(view.points[i]);
+    few.normals.push_back(view.normals[i]);
+    few.sigma.push_back(view.sigma[i]);
+    few.intensity.push_back(view.intensity[i]);
+    if (!view.colours.empty()) few.colours.push_back(view.colours[i]);
+  }
+  return few;
+}
+
+/// The valid points, without normals; sigma along the ray.
+View points_of(const Cloud& cloud, const Uncertainty* uncertainty, std::string name,
+               const Image<Colour>* colours) {
+  View view{.name = std::move(name)};
+  view.sigma_known = uncertainty != nullptr;
+
+  for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
+    if (cloud.validity(column, row) != Validity::valid) return;
+    const Eigen::Vector3f point = position_at(cloud, column, row).cast<float>();
+    if (!point.allFinite()) return;
+
+    view.points.push_back(point);
+    view.intensity.push_back(cloud.intensity(column, row));
+    if (colours != nullptr) view.colours.push_back((*colours)(column, row));
+
+    // Noise moves a point along its ray.
+    float sigma = nan;
+    if (uncertainty != nullptr) {
+      sigma = uncertainty->z(column, row) * point.norm() / std::abs(point.z());
+    }
+    view.sigma.push_back(sigma);
+  });
+
+  throw_if(view.size() < fewest_points, "it has {} points; a view needs {} or more", view.size(),
+           fewest_points);
+  return view;
+}
+
+}  // namespace
+
+View view_of(const Cloud& cloud, const Uncertainty* uncertainty, std::string name,
+             const Image<Colour>* colours) {
+  View view = points_of(cloud, uncertainty, std::move(name), colours);
+  view.spacing = median_spacing(view.points);
+  view.from_origin = is_seen_from_origin(view.points, view.spacing);
+
+  // 1. The noise, by which the neighbourhood of a normal is chosen: noise of the normal falls with
+  // the square of its radius, to 0.03 rad here.
+  constexpr float narrowest = 2.5F, widest = 8;  // radii, in spacings
+  constexpr float steadiest = 37;
+  const float first_radius = narrowest * view.spacing;
+  const PointGrid grid(view.points, first_radius);
+  const float noise = noise_of(view.points, grid, first_radius);
+  const float radius =
+      std::clamp(std::sqrt(steadiest * noise * view.spacing), first_radius, widest * view.spacing);
+
+  Eigen::Vector3f middle = Eigen::Vector3f::Zero();
+  for (const Eigen::Vector3f& point : view.points) {
+    middle += point / static_cast<float>(view.size());
+  }
+
+  // 2. The normals, and the noise along them.
+  view.normals.resize(view.size());
+  for_each_part(view.size(), [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) {
+      const Eigen::Vector3f& point = view.points[i];
+      Eigen::Vector3f normal = local_plane(grid, view.points, point, radius).normal;
+      const Eigen::Vector3f outwards = view.from_origin ? Eigen::Vector3f(-point) : point - middle;
+      if (normal.dot(outwards) < 0) normal = -normal;
+
+      view.normals[i] = normal;
+      float& sigma = view.sigma[i];
+      if (std::isfinite(sigma) && sigma > 0) {
+        sigma *= std::abs(normal.dot(point.normalized()));
+      } else {
+        sigma = noise;
+      }
+      // Rounding of the files, and rays along the surface.
+      sigma = std::max({sigma, noise / 10, 1e-4F * view.spacing});
+    }
+  });
+
+  // 3. Points with a normal.
+  std::vector<std::uint32_t> kept;
+  for (std::uint32_t i = 0; i < view.size(); ++i) {
+    if (view.normals[i].allFinite()) kept.push_back(i);
+  }
+  throw_if(kept.size() < fewest_points, "only {} of its {} points have neighbours", kept.size(),
+           view.size());
+  return kept_of(view, kept);
+}
+
+View thinned(const View& view, float spacing) {
+  if (view.spacing >= spacing) return view;
+  View few = kept_of(view, thinned_to_cells(view.points, spacing));
+  few.spacing = median_spacing(few.points);
+  return few;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,86 @@
+// Runs `slipstream merge` on clouds of a virtual object.
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "slipstream/cloud_file.h"
+#include "tests/app/program.h"
+#include "tests/io/temporary_folder.h"
+#include "tests/merge/virtual_shots.h"
+
+namespace slipstream::merge_program_test {
+
+class MergeProgram : public testing::Test {
+ protected:
+  [[nodiscard]] std::string path(const std::string& name) const { return folder_.path() / name; }
+
+  /// Writes a cloud of the object as seen at `pose`.
+  std::string shot(const std::string& name, const Mesh& mesh, const Eigen::Isometry3d& pose,
+                   double unit = 1) const {
+    Shot shot = shot_of(MeshTree(mesh), pose, 0.05, static_cast<unsigned>(name.size()));
+    for (Image<float>* image : {&shot.cloud.x, &shot.cloud.y, &shot.cloud.z}) {
+      for (float& value : *image) value /= static_cast<float>(unit);
+    }
+    write_cloud(path(name), shot.cloud);
+    return path(name);
+  }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+const Eigen::Isometry3d first_pose = before_camera(turned({0, 1, 0}, 0));
+const Eigen::Isometry3d second_pose = before_camera(turned({0, 1, 0.3}, 20));
+
+TEST_F(MergeProgram, JoinsTwoCloudsToAModel) {
+  const ProgramRun run = run_program(
+      {"merge", shot("a.ply", relief(), first_pose), shot("bb.ply", relief(), second_pose), "-o",
+       path("model.ply"), "--mesh", path("model.stl"), "--poses", path("poses.txt"), "--report",
+       path("report.html"), "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+
+  const auto document = nlohmann::json::parse(run.out);
+  EXPECT_EQ(document["joined"], 2);
+  const Eigen::Isometry3d truth = first_pose * second_pose.inverse();
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 4; ++column) {
+      EXPECT_NEAR(document["views"][1]["pose"][row][column].get<double>(), truth(row, column), 0.5);
+    }
+  }
+  EXPECT_LT(document["pairs"][0]["median_mm"], 0.2);
+  EXPECT_EQ(point_count(read_cloud(path("model.ply")).cloud), document["points"]);
+  EXPECT_GT(point_count(read_cloud(path("model.stl")).cloud), 1000U);
+  EXPECT_NE(contents(path("report.html")).find("Loop error"), std::string::npos);
+
+  // The written poses are a start for the same views, in the sense in which they were written.
+  const ProgramRun again =
+      run_program({"merge", path("a.ply"), path("bb.ply"), "--start", path("poses.txt"), "--json"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(nlohmann::json::parse(again.out)["start"]["sense"],
+            "quaternion x y z w, from the view's frame to the model's");
+}
+
+TEST_F(MergeProgram, RefusesPlanesAndWritesNothing) {
+  const Mesh plane = plate([](double, double) { return 0.0; });
+  const ProgramRun run = run_program({"merge", shot("a.ply", plane, first_pose),
+                                      shot("bb.ply", plane, second_pose), "-o", path("model.ply")});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("slides"), std::string::npos) << run.err;
+  EXPECT_FALSE(std::filesystem::exists(path("model.ply")));
+}
+
+TEST_F(MergeProgram, ReadsMetresAndNamesMixedUnits) {
+  const std::string metres = shot("a.ply", relief(), first_pose, 1000);
+  const ProgramRun run =
+      run_program({"merge", metres, shot("bb.ply", relief(), second_pose, 1000), "--unit", "m"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+
+  const ProgramRun mixed = run_program({"merge", metres, shot("ccc.ply", relief(), second_pose)});
+  EXPECT_EQ(mixed.exit_code, 2);
+  EXPECT_NE(mixed.err.find("another unit"), std::string::npos) << mixed.err;
+}
+
+}  // namespace slipstream::merge_program_test

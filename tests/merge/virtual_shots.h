@@ -1,0 +1,129 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <string>
+
+#include <Eigen/Geometry>
+
+#include "merge/view.h"
+#include "simulate/sculptures.h"
+#include "slipstream/cloud.h"
+#include "slipstream/scene.h"
+
+// Views of a virtual object, as depth and noise alone make them.
+namespace slipstream {
+
+inline Eigen::Isometry3d turned(const Eigen::Vector3d& axis, double degrees) {
+  return Eigen::Isometry3d(Eigen::AngleAxisd(degrees * std::numbers::pi / 180, axis.normalized()));
+}
+
+/// Pose of an object 600 mm in front of the camera, its Y axis up, after a turn.
+inline Eigen::Isometry3d before_camera(const Eigen::Isometry3d& turn) {
+  return Eigen::Translation3d(0, 0, 600) * turn * turned(Eigen::Vector3d::UnitX(), 180);
+}
+
+/// The bust, 180 mm high.
+inline Mesh large_statue() {
+  Mesh mesh = statue();
+  for (Eigen::Vector3d& vertex : mesh.vertices) vertex *= 180;
+  return mesh;
+}
+
+/// A surface z(x, y), 200 mm wide, that faces the camera.
+template <class Height>
+Mesh plate(const Height& height) {
+  Mesh mesh;
+  append_surface(mesh, 200, 200, [&](double u, double v) {
+    const double x = 200 * (u - 0.5), y = 200 * (v - 0.5);
+    return Eigen::Vector3d(x, y, height(x, y));
+  });
+  return mesh;
+}
+
+inline Mesh relief() {
+  return plate([](double x, double y) {
+    const double bump = std::exp(-(std::pow(x - 30, 2) + std::pow(y + 20, 2)) / 300);
+    return 6 * std::sin(x / 17 + y / 31) * std::cos(y / 23) + 5 * bump + 3 * std::sin(x * y / 900);
+  });
+}
+
+/// A dished plate with `count` equal cones around its middle.
+inline Mesh ring_of_cones(int count) {
+  return plate([count](double x, double y) {
+    double z = 0.002 * (x * x + y * y);
+    for (int k = 0; k < count; ++k) {
+      const double angle = 2 * std::numbers::pi * k / count;
+      const double apart = std::hypot(x - 60 * std::cos(angle), y - 60 * std::sin(angle));
+      z -= std::max(25 - apart, 0.0);
+    }
+    return z;
+  });
+}
+
+inline Mesh ball() {
+  Mesh mesh;
+  append_surface(mesh, 100, 200, [](double u, double v) {
+    const double t = std::numbers::pi * u, p = 2 * std::numbers::pi * v;
+    return 80 * Eigen::Vector3d(std::sin(t) * std::cos(p), std::cos(t), std::sin(t) * std::sin(p));
+  });
+  return mesh;
+}
+
+inline Mesh pipe() {
+  Mesh mesh;
+  append_surface(mesh, 2, 200, [](double u, double v) {
+    const double p = 2 * std::numbers::pi * v;
+    return Eigen::Vector3d(60 * std::cos(p), 800 * (u - 0.5), 60 * std::sin(p));
+  });
+  return mesh;
+}
+
+/// A cloud and the standard deviations of its points.
+struct Shot {
+  Cloud cloud;
+  Uncertainty uncertainty;
+};
+
+/// What a camera sees of an object at `pose`, with noise of depth of about `noise` mm, more on
+/// slanted surface.
+inline Shot shot_of(const MeshTree& object, const Eigen::Isometry3d& pose, double noise,
+                    unsigned seed, Size size = {240, 180}) {
+  constexpr double least_facing = 0.2;
+
+  Shot shot{Cloud(size), Uncertainty(size)};
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  const Eigen::Isometry3d to_object = pose.inverse();
+  const double focal = 1.3 * size.width;
+
+  for_each_pixel_in_order(size, [&](int column, int row) {
+    const Eigen::Vector3d ray((column - size.width / 2.0) / focal,
+                              (row - size.height / 2.0) / focal, 1);
+    const auto hit = object.first_hit({to_object.translation(), to_object.linear() * ray});
+    if (!hit) return;
+    const double facing =
+        std::abs(hit->normal.normalized().dot(to_object.linear() * ray.normalized()));
+    if (facing < least_facing) return;
+
+    const double sigma = noise * (0.6 + 0.4 / facing);
+    const Eigen::Vector3d point = (hit->distance + sigma * normal(random)) * ray;
+    shot.cloud.x(column, row) = static_cast<float>(point.x());
+    shot.cloud.y(column, row) = static_cast<float>(point.y());
+    shot.cloud.z(column, row) = static_cast<float>(point.z());
+    shot.cloud.intensity(column, row) = 100;
+    shot.cloud.validity(column, row) = Validity::valid;
+    shot.uncertainty.z(column, row) = static_cast<float>(sigma);
+  });
+  return shot;
+}
+
+inline View view_at(const MeshTree& object, const Eigen::Isometry3d& pose, double noise,
+                    unsigned seed, const std::string& name = "view", Size size = {240, 180}) {
+  const Shot shot = shot_of(object, pose, noise, seed, size);
+  return view_of(shot.cloud, &shot.uncertainty, name);
+}
+
+}  // namespace slipstream

@@ -18,6 +18,7 @@
 #include "app/scan_flags.h"
 #include "calibrate/board_view.h"
 #include "calibrate/report.h"
+#include "calibrate/several_cameras.h"
 #include "io/image_file.h"
 #include "io/point_lists.h"
 #include "io/print_file.h"
@@ -164,6 +165,81 @@ std::vector<PosePoints> points_of(const BoardViews& views, const CalibrationBoar
   return poses;
 }
 
+/// The boards that a camera saw, and its calibration from them.
+struct CameraAlone {
+  PoseCaptures captures;
+  GeometryCalibration calibration;
+};
+
+/// Adds a number before the ending: "scanner-2.yaml".
+std::string numbered(const fs::path& path, std::size_t number) {
+  fs::path name = path.stem();
+  name += fmt::format("-{}", number);
+  name += path.extension();
+  return (path.parent_path() / name).string();
+}
+
+nlohmann::json json_of(const CameraPose& camera) {
+  const Eigen::AngleAxisd turn(camera.pose.linear());
+  const Eigen::Vector3d rotation = turn.angle() * turn.axis();
+  return described("rotation_rad", rotation, "rotation_deviation_rad", camera.rotation_sigma,
+                   "translation_mm", Eigen::Vector3d(camera.pose.translation()),
+                   "translation_deviation_mm", camera.translation_sigma);
+}
+
+void say_pose(const CameraPose& camera, std::size_t number, Output& output) {
+  output.say(
+      "camera {} stands {:.3f} mm from camera 1 (standard deviation {:.3f} mm) and is turned "
+      "by {:.4f} degrees ({:.4f})",
+      number, camera.pose.translation().norm(), camera.translation_sigma.norm(),
+      Eigen::AngleAxisd(camera.pose.linear()).angle() * 180 / std::numbers::pi,
+      camera.rotation_sigma.norm() * 180 / std::numbers::pi);
+}
+
+/// Calibrates the first camera and those of further folders together, and writes a scanner file and
+/// a report for each.
+void calibrate_cameras(const CalibrateGeometryFlags& flags, const CalibrationBoard& board,
+                       CameraAlone first, Output& output) {
+  const GeometryCalibrationSettings settings = settings_from(flags.result);
+
+  // 1. Each camera alone.
+  std::vector<PoseCaptures> captures{std::move(first.captures)};
+  std::vector<GeometryCalibration> alone{std::move(first.calibration)};
+  for (const std::string& folder : flags.more_cameras) {
+    BoardCaptureFlags boards = flags.boards;
+    boards.folder = folder;
+    captures.push_back(captured_boards(boards, board, std::nullopt, output));
+    require_enough_poses(captures.back(), folder);
+    alone.push_back(calibrate_geometry(captures.back().views, board, captures.back().camera,
+                                       captures.back().projector, settings));
+  }
+
+  // 2. All together, then a scanner file for each.
+  const BoardPlaces printed = printed_places(board);
+  const CamerasCalibration together =
+      calibrate_together(std::move(alone), printed, board.spacing, settings);
+
+  nlohmann::json cameras = nlohmann::json::array();
+  for (std::size_t c = 0; c < together.cameras.size(); ++c) {
+    CalibrationResultFlags files = flags.result;
+    if (c > 0) files.scanner = numbered(files.scanner, c + 1);
+    if (c > 0 && files.report) files.report = numbered(*files.report, c + 1);
+    if (c > 0) say_pose(together.poses[c - 1], c + 1, output);
+
+    write_calibration(
+        files,
+        {together.cameras[c], printed, text_of(board), captures[c].unused, captures[c].findings},
+        std::nullopt, output);
+    if (c > 0) output.document["pose"] = json_of(together.poses[c - 1]);
+    cameras.push_back(std::exchange(output.document, {}));
+  }
+
+  // The first camera's figures stand as without the others.
+  output.document = cameras.front();
+  cameras.erase(cameras.begin());
+  output.document["more_cameras"] = cameras;
+}
+
 std::vector<Finding> measured_findings(const CalibrateGeometryFlags& flags,
                                        const CalibrationBoard& board) {
   if (!flags.measured) return {};
@@ -219,6 +295,9 @@ void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output) {
   // 2. Calibrate both lenses and the pose between them.
   const GeometryCalibration calibration =
       calibrate_geometry(captures.views, board, captures.camera, captures.projector, settings);
+  if (!flags.more_cameras.empty()) {
+    return calibrate_cameras(flags, board, {captures, calibration}, output);
+  }
 
   // 3. Write the scanner file and the report, with all diagnostics together.
   findings.insert(findings.end(), captures.findings.begin(), captures.findings.end());
@@ -277,6 +356,11 @@ void add_calibrate_geometry(const Commands& calibrate_command) {
       calibrate_boards, "geometry",
       "calibrate camera and projector from scans of a board in several poses");
   add_result_flags(command, flags.result);
+  command
+      .add("--more-cameras", flags.more_cameras,
+           "folders of the same poses as further cameras of this projector took them: all are "
+           "calibrated together, into scanner-2.yaml and so on beside --output")
+      ->type_name(file_type);
   command.add_output("--save-points", flags.points,
                      "write the points that were found, for other programs: .csv");
 
@@ -286,6 +370,7 @@ void add_calibrate_geometry(const Commands& calibrate_command) {
   add_board_capture_flags(command, flags.boards);
   add_model_flags({command.app, "Model"}, flags.result);
 
+  command.exclude("--more-cameras", {"--compare", "--measured"});
   command.common({"--output", "--report", "--board", "--corners", "--spacing", "--strategy",
                   "--steps", "--high", "--low", "--projector"});
   command.examples(

@@ -26,7 +26,8 @@ struct CalibrateGeometryFlags {
   BoardCaptureFlags boards;
   CalibrationResultFlags result;
   std::optional<std::string> measured;
-  std::optional<std::string> points;  ///< file to write the corners to
+  std::optional<std::string> points;      ///< file to write the corners to
+  std::vector<std::string> more_cameras;  ///< folders of further cameras' poses
 };
 
 /// Finds the board in every pose and reports each. Corrects phases for the response if it is known.

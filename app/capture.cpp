@@ -12,7 +12,9 @@
 
 #include "app/calibrate_boards.h"
 #include "app/capture_exposure.h"
+#include "app/guided_poses.h"
 #include "app/process.h"
+#include "base/numbers.h"
 #include "calibrate/pose_guide.h"
 #include "codes/guard_sequence.h"
 #include "frames/colour_channels.h"
@@ -21,6 +23,7 @@
 #include "io/replay_source.h"
 #include "io/scan_folder.h"
 #include "live/cyclic_scans.h"
+#include "simulate/turned_scene.h"
 #include "slipstream/scan_files.h"
 #include "slipstream/scan_job.h"
 #include "slipstream/strategy.h"
@@ -139,89 +142,6 @@ std::unique_ptr<ScanCamera> scan_camera(const CaptureFlags& flags, const NamedSo
   return std::make_unique<ShownScans>(*projector, *opened.frames, std::move(pictures), steps);
 }
 
-/// Warns if the source's state has changed since the last call.
-std::function<void()> news_of(const FrameSource& source, Output& output) {
-  return [&source, &output, shown = std::string()]() mutable {
-    const std::string state = source.state();
-    if (state != std::exchange(shown, state)) {
-      output.warn(state.empty() ? "the camera is back" : state);
-    }
-  };
-}
-
-std::string headline_of(const PoseProgress& progress, int wanted) {
-  const std::string of = wanted > 0 ? fmt::format(" of {}", wanted) : "";
-  return fmt::format("{}{}: {}", progress.taken.size(), of, with_flags(progress.verdict.words));
-}
-
-view::Guide guide_of(const PoseProgress& progress, int wanted) {
-  const PoseNeeds& needs = progress.needs;
-  return {drawn_guide(progress.pictures.mean, progress.verdict, needs, progress.taken),
-          headline_of(progress, wanted),
-          colour_of(progress.verdict.state),
-          {needs.enough ? "enough poses: calibrating" : "next: " + needs.advice,
-           fmt::format("{} taken; boards cover {:.0f} % of the camera's picture",
-                       progress.taken.size(), 100 * needs.covered),
-           "blue: not covered yet; arrows: edges already tilted towards the camera (green), still "
-           "to do (orange)"}};
-}
-
-/// Returns the calibration's verdict. `show` may be empty.
-std::string take_poses(const CaptureFlags& flags, const CaptureRig& rig,
-                       const std::function<void(view::Guide)>& show,
-                       const std::function<bool()>& ends, Output& output) {
-  const auto& [projector, opened, camera, guard] = rig;
-  throw_if(opened.sequence.projector == Size{},
-           "--projector is missing: give the projector's size in pixels, e.g. 1280x800");
-
-  const CalibrationBoard board = board_from(flags.board);
-  const auto tell_news = news_of(*opened.frames, output);
-
-  // Called for each picture: the window shows all of them, the text only changes of the verdict.
-  PoseState shown = PoseState::taken;
-  const auto tell = [&](const PoseProgress& progress) {
-    if (show) show(guide_of(progress, *flags.poses));
-    if (shown == progress.verdict.state) return;
-    shown = progress.verdict.state;
-
-    // Once a pose is over, the advice is about the next one.
-    const bool over = shown == PoseState::taken || shown == PoseState::known;
-    const std::string& advice = progress.needs.advice;
-    output.say("{}{}", headline_of(progress, *flags.poses),
-               over && !advice.empty() ? "; next: " + advice : "");
-  };
-
-  const auto watch = [&] {
-    tell_news();
-    return ends();
-  };
-
-  const auto save = [](const fs::path& folder, const Scan& scan) {
-    save_scan(folder, scan.frames, scan.sequence, std::nullopt);
-  };
-
-  // 1. Take poses until there are enough or the user stops.
-  const std::size_t taken =
-      take_guided_poses(*camera, flags.output, board, opened.sequence,
-                        {.save = save, .wanted = *flags.poses, .on_progress = tell, .ends = watch})
-          .size();
-
-  opened.frames->stop();
-  throw_if(taken == 0, "no pose was taken");
-
-  // 2. Calibrate from the poses taken, also after a stop.
-  const fs::path folder = flags.output;
-  CalibrateGeometryFlags calibration;
-  calibration.boards.folder = folder;
-  calibration.boards.board = flags.board;
-  calibration.result.scanner = folder / "scanner.yaml";
-  calibration.result.report = folder / "report";
-  calibrate_boards(calibration, output);
-
-  output.add("poses_taken", taken, "folder", flags.output);
-  return output.document["verdict"];
-}
-
 /// Writes the guard beside a saved scan and compares both; its findings are added.
 void add_guard(ScanFiles& files, Scan scan, FrameSet frames, const Sequence& guard,
                CheckedScan& checked, Output& output) {
@@ -313,8 +233,30 @@ void take_poses_in_window(const CaptureFlags& flags, Output& output) {
 #endif
 }
 
+/// Takes a scan in each position of the table.
+void take_turns(const CaptureFlags& flags, Output& output) {
+  const double step = turn_step(flags.turntable);
+  const CaptureFlags chosen = flags.automatic ? with_chosen_exposures(flags, output) : flags;
+  const bool is_virtual = scheme_of(flags.source.source) == "virtual";
+
+  for (int view = 1; view <= *flags.turntable.views; ++view) {
+    // The virtual table turns by itself.
+    const bool by_hand = !is_virtual || !flags.turntable.command.empty();
+    if (view > 1 && by_hand) turn_table(flags.turntable, view, output);
+
+    CaptureFlags of_view = chosen;
+    of_view.output = folder_of_view(flags.output, view);
+    const CaptureRig rig = open_rig(of_view, output, (view - 1) * step);
+    take_scan(of_view, rig, output);
+  }
+
+  output.document = nlohmann::json::object();
+  tell_views(flags.turntable, flags.output, output);
+}
+
 void capture(const CaptureFlags& flags, Output& output) {
   require_good(flags);
+  if (flags.turntable.views) return take_turns(flags, output);
   if (flags.poses && !flags.headless) {
     require_desktop();
     return take_poses_in_window(flags, output);
@@ -335,12 +277,17 @@ void capture(const CaptureFlags& flags, Output& output) {
 
 }  // namespace
 
-CaptureRig open_rig(const CaptureFlags& flags, Output& output) {
+CaptureRig open_rig(const CaptureFlags& flags, Output& output, double turn) {
   require_good(flags);
   CaptureRig rig{.projector = open_projector(flags.monitor)};
   PatternSink* const projector = rig.projector.sink;
-  const SourceRequest request =
+  SourceRequest request =
       request_for(flags, projector != nullptr ? projector->size() : std::nullopt);
+  if (flags.turntable.views && request.world) {
+    VirtualWorld& world = *request.world;
+    world.scene = turned_scene(world.scene, world.scanner, turn * degree);
+    world.photometry.seed += static_cast<std::uint64_t>(std::abs(turn) * 1e3);
+  }
 
   const bool boards = flags.poses && scheme_of(request.source) == "virtual";
   rig.opened = boards ? virtual_boards(flags, request) : open(request, output);
@@ -374,33 +321,6 @@ std::vector<FrameSet> still_frames(const CaptureRig& rig, Output& output) {
                        : fmt::format("no complete pattern cycle from {} within {:g} s; check the "
                                      "trigger and that the projector shows patterns",
                                      opened.scanner_name, patience));
-}
-
-GuidedPoses::GuidedPoses(CaptureFlags flags, Output& output)
-    : flags_(std::move(flags)),
-      rig_(open_rig(flags_, output)),
-      work_(std::async(std::launch::async, [this, &output] {
-        const auto show = [this](view::Guide guide) {
-          const std::lock_guard lock(mutex_);
-          newest_ = std::move(guide);
-        };
-        return take_poses(
-            flags_, rig_, show, [this] { return ending_.load(); }, output);
-      })) {}
-
-std::optional<view::Guide> GuidedPoses::newest() {
-  const std::lock_guard lock(mutex_);
-  return std::exchange(newest_, std::nullopt);
-}
-
-bool GuidedPoses::over() const {
-  return work_.wait_for(std::chrono::seconds(0)) == std::future_status::ready ||
-         rig_.projector.closed();
-}
-
-std::string GuidedPoses::finish() {
-  ending_ = true;
-  return work_.get();
 }
 
 void add_capture(const Commands& program) {
@@ -438,6 +358,16 @@ void add_capture(const Commands& program) {
       ->expected(0, 1)
       ->default_str("20");
 
+  add_turntable_flags(command, flags.turntable);
+  command.add(
+      "--turn-command", flags.turntable.command,
+      "with --turntable: command that turns the table before each further view, with {step} "
+      "in degrees and {view}; default: wait for Enter. Not from a rig file");
+  command.exclude("--turntable", {"--poses"});
+  for (const char* const flag : {"--turn-step", "--turn-command"}) {
+    command.app.get_option(flag)->needs("--turntable");
+  }
+
   command.add("--headless", flags.headless, "no window; print a line whenever the advice changes");
   command.add("--size", flags.size, "size of the guide window, pixels");
   command.add_output("--screenshot", flags.screenshot, "final picture of the guide window: .png");
@@ -453,7 +383,8 @@ void add_capture(const Commands& program) {
   command.examples(
       {"capture --source aravis: --monitor 1 --exposure 15 --poses --corners 13x9 --spacing 15 -o "
        "poses",
-       "capture --source aravis: --monitor 1 --exposure 15 --scanner poses/scanner.yaml -o scan"},
+       "capture --source aravis: --monitor 1 --exposure 15 --scanner poses/scanner.yaml -o scan",
+       "capture --source aravis: --monitor 1 --scanner poses/scanner.yaml --turntable 12 -o views"},
       "Ctrl-C, or Esc and Enter, stops; the poses taken so far are calibrated.");
 }
 

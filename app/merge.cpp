@@ -11,6 +11,7 @@
 
 #include "app/merge_report.h"
 #include "app/scan_flags.h"
+#include "base/numbers.h"
 #include "base/statistics.h"
 #include "base/stopwatch.h"
 #include "io/model_file.h"
@@ -19,6 +20,8 @@
 #include "merge/joint_alignment.h"
 #include "merge/model_surface.h"
 #include "merge/start_poses.h"
+#include "merge/turntable.h"
+#include "merge/turntable_views.h"
 
 namespace slipstream::app {
 namespace {
@@ -28,6 +31,8 @@ struct MergeFlags {
   std::string output, mesh, poses, report, start;
   std::string unit = "mm";
   double spacing = 0;
+  bool turntable = false;
+  std::optional<double> turn_step;  ///< degrees
   CloudFlags input;
 };
 
@@ -224,6 +229,48 @@ void refuse_left_out(const MergeFlags& flags, const JointAlignment& joint, Outpu
   output.warn(text);
 }
 
+/// Names the view that was moved by hand.
+void tell_moved(const MergeFlags& flags, const MovedView& moved, Output& output) {
+  output.warn(fmt::format(
+      "{} does not lie as the turntable turned it: the object was moved {} by {:.2f} degrees and "
+      "{:.2f} mm, so that the views keep their own poses",
+      flags.inputs[moved.view], moved.stays ? "before this view" : "for this view alone",
+      moved.turn / degree, moved.shift));
+  output.add("moved", described("view", flags.inputs[moved.view], "stays", moved.stays, "turn_deg",
+                                moved.turn / degree, "shift_mm", moved.shift));
+}
+
+/// Finds the turntable's axis and steps, and lets the views lie on it.
+void settle_on_turntable(const MergeFlags& flags, const std::vector<PreparedView>& views,
+                         JointAlignment& joint, Output& output) {
+  const std::vector<PairPose> pairs = pair_poses(joint.links);
+  TurntableSettings settings;
+  if (flags.turn_step) settings.step = *flags.turn_step * degree;
+
+  TurntableFit fit = fit_turntable(views.size(), pairs, settings);
+  refine_on_surfaces(views, pairs, fit, flags.turn_step.has_value());
+
+  const Turntable& table = fit.table;
+  output.say(
+      "turntable: axis ({:.5f}, {:.5f}, {:.5f}), uncertain by {:.4f} degrees, through "
+      "({:.3f}, {:.3f}, {:.3f}) mm, uncertain by {:.4f} mm",
+      table.direction.x(), table.direction.y(), table.direction.z(), table.direction_sigma / degree,
+      table.point.x(), table.point.y(), table.point.z(), table.point_sigma);
+  output.say("{}", table.step ? fmt::format("step {:.4f} degrees, uncertain by {:.4f}",
+                                            *table.step / degree, table.step_sigma / degree)
+                              : std::string("the steps differ"));
+
+  nlohmann::json angles = nlohmann::json::array();
+  for (const double angle : table.angles) angles.push_back(angle / degree);
+  output.add("turntable", described("direction", table.direction, "direction_sigma_deg",
+                                    table.direction_sigma / degree, "point_mm", table.point,
+                                    "point_sigma_mm", table.point_sigma, "step_sigma_deg",
+                                    table.step_sigma / degree, "angles_deg", angles));
+
+  if (fit.moved) return tell_moved(flags, *fit.moved, output);
+  for (std::size_t i = 0; i < views.size(); ++i) joint.poses[i] = fit.poses[i];
+}
+
 void write_outputs(const MergeFlags& flags, const JointAlignment& joint, const FusedModel& model,
                    Output& output) {
   if (!flags.output.empty()) {
@@ -265,8 +312,13 @@ void merge(const MergeFlags& flags, Output& output) {
   JointSettings settings;
   if (!flags.start.empty()) settings.starts = start_poses(flags, views, output);
   settings.progress = progress_of("joining");
-  const JointAlignment joint = join_views(views, settings);
+  JointAlignment joint = join_views(views, settings);
   settings.progress = nullptr;
+  if (flags.turntable && joint.joined() == views.size()) {
+    settle_on_turntable(flags, views, joint, output);
+  } else if (flags.turntable) {
+    output.warn("the turntable's axis is not sought, since not all views join");
+  }
   tell_joint(flags, joint, output);
   refuse_left_out(flags, joint, output);
 
@@ -319,6 +371,13 @@ void add_merge(const Commands& program) {
         require_in_range(spacing >= 0, "--spacing", spacing, "0 (as the views) or more");
         return std::string();
       });
+
+  command.add("--turntable", flags.turntable,
+              "the views were taken in order while the object turned about one axis: find the axis "
+              "and the angles, and name a view that was moved by hand");
+  command
+      .add("--turn-step", flags.turn_step, "with --turntable: degrees from view to view, if known")
+      ->needs("--turntable");
 
   add_cloud_flags(command.app, flags.input);
   command.common({"--output", "--mesh", "--poses", "--report", "--start", "--unit"});

@@ -105,6 +105,10 @@ bool is_reached_by_others(const CLI::Option& option, const std::string& value) {
 }  // namespace
 
 void require_rig_may(const CLI::Option& option, const std::string& value, const RigRights& rights) {
+  throw_if(option.check_lname("turn-command"),
+           "--turn-command '{}': a rig file may not run commands; give it on the command line",
+           value);
+
   throw_if(!rights.lets_others_in && is_reached_by_others(option, value),
            "{}: other machines could reach it, which a rig file may ask only with --public on the "
            "command line",

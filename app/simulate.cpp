@@ -1,5 +1,6 @@
 #include "app/simulate.h"
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -7,11 +8,14 @@
 #include "app/board_flags.h"
 #include "app/process.h"
 #include "app/source_flags.h"
+#include "app/turntable.h"
+#include "base/numbers.h"
 #include "base/stopwatch.h"
 #include "codes/guard_sequence.h"
 #include "io/file.h"
 #include "io/image_file.h"
 #include "io/scan_folder.h"
+#include "simulate/turned_scene.h"
 #include "simulate/virtual_files.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/scan_files.h"
@@ -29,6 +33,7 @@ struct SimulateFlags {
   bool unquantised = false, second_camera = false, in_colour = false, primaries = false;
   bool guard = false;
   double paint = 0;
+  TurntableFlags turntable;
 };
 
 /// Takes pictures of the scene under each of the projector's colours.
@@ -63,12 +68,32 @@ void simulate_boards(const SimulateFlags& flags, const VirtualWorld& world,
 
   const Body sheet = sheet_of(board, scanner);
   const int count = *flags.boards;
-  const std::vector<Eigen::Isometry3d> poses = poses_of(sheet, count, scanner);
+  std::vector<Eigen::Isometry3d> poses = poses_of(sheet, count, scanner);
 
-  Progress progress("boards", count);
+  // Nearer to the middle, so that a second camera sees the whole board, too.
+  for (Eigen::Isometry3d& pose : poses) {
+    if (!flags.second_camera) break;
+    pose.translation() = (pose.translation() + working_volume(scanner).centre) / 2;
+  }
+
+  Progress progress("boards", flags.second_camera ? 2 * count : count);
+  const Body printed = misprinted(sheet, world.photometry.physics);
   const std::vector<std::string> names =
-      save_board_scans(folder, sequence, world, misprinted(sheet, world.photometry.physics), poses,
-                       [&] { progress.advance(); });
+      save_board_scans(folder, sequence, world, printed, poses, [&] { progress.advance(); });
+
+  // The same poses for a second camera, in a folder beside this one.
+  if (flags.second_camera) {
+    VirtualWorld posed = world, second;
+    std::vector<Eigen::Isometry3d> seen;
+    for (const Eigen::Isometry3d& pose : poses) {
+      posed.scene = {printed};
+      posed.scene.front().pose = pose;
+      second = seen_from_second(posed);
+      seen.push_back(second.scene.front().pose);
+    }
+    save_board_scans(flags.folder + "-2", sequence, second, printed, seen,
+                     [&] { progress.advance(); });
+  }
 
   progress.finish();
   output.say("took a board ({}, {}x{}), spacing {:g} mm, in {} poses of {}, into {}",
@@ -88,6 +113,29 @@ void add_simulated_guard(ScanFiles& files, const Sequence& sequence, VirtualWorl
              guard);
 }
 
+/// Takes a scan of the object in each position of the table, with its own noise.
+void simulate_turns(const SimulateFlags& flags, const VirtualWorld& world, const Sequence& sequence,
+                    Output& output) {
+  const double step = turn_step(flags.turntable);
+  const int views = *flags.turntable.views;
+  Progress progress("views", views);
+
+  for (int view = 0; view < views; ++view) {
+    VirtualWorld turned = world;
+    turned.scene = turned_scene(world.scene, world.scanner, view * step * degree);
+    turned.photometry.seed += static_cast<std::uint64_t>(view);
+    save_virtual_scan(
+        folder_of_view(flags.folder, view + 1), sequence, turned,
+        take_scan(turned.scanner, turned.scene, pattern_set(sequence), turned.photometry));
+    progress.advance();
+  }
+  progress.finish();
+
+  const TurnAxis axis = turntable_axis(world.scanner);
+  tell_views(flags.turntable, flags.folder, output);
+  describe(output.document, "axis_direction", axis.direction, "axis_point_mm", axis.point);
+}
+
 void simulate(const SimulateFlags& flags, Output& output) {
   VirtualWorld world = world_from(flags.devices);
   const Sequence sequence = sequence_for(flags.scan, world.scanner);
@@ -105,11 +153,11 @@ void simulate(const SimulateFlags& flags, Output& output) {
            "--guard needs patterns along one axis, and a projector of 64 pixels or more across it");
 
   if (flags.boards) {
-    throw_if(flags.second_camera, "--second-camera needs a scene; it does not work with --boards");
     return simulate_boards(flags, world, sequence, output);
   }
 
   if (flags.primaries) return write_primaries(flags, world, output);
+  if (flags.turntable.views) return simulate_turns(flags, world, sequence, output);
 
   require_valid(world.photometry);
   output.tell_wait("rendering the frames");
@@ -156,9 +204,10 @@ void add_boards_flags(CLI::App& simulate, SimulateFlags& flags) {
   boards->group("Board");
 
   // The board takes the scene's place, and each pose is scanned along both axes, in grey.
-  FlagGroup{simulate}.exclude("--boards", {"--scene", "--mesh", "--mesh-size", "--reflectivity",
-                                           "--move", "--turn", "--vibrate", "--breathe", "--axis",
-                                           "--colour", "--primaries", "--paint", "--guard"});
+  FlagGroup{simulate}.exclude(
+      "--boards",
+      {"--scene", "--mesh", "--mesh-size", "--reflectivity", "--move", "--turn", "--vibrate",
+       "--breathe", "--axis", "--colour", "--primaries", "--paint", "--guard", "--turntable"});
 
   add_board_flags(simulate, flags.board);
 
@@ -173,8 +222,10 @@ void add_simulate_flags(CLI::App& command, SimulateFlags& flags) {
                  "scanner file to imitate; default: an example");
 
   group.add("--unquantised", flags.unquantised, "64-bit float frames, neither rounded nor clipped");
-  group.add("--second-camera", flags.second_camera,
-            "add a second camera on the other side of the projector; its scan goes into second/");
+  group.add(
+      "--second-camera", flags.second_camera,
+      "add a second camera on the other side of the projector; its scan goes into second/, its "
+      "boards into a folder whose name ends in -2");
   group.add("--colour", flags.in_colour,
             "colour camera and projector: three patterns per picture, with 20 % crosstalk between "
             "channels");
@@ -187,6 +238,10 @@ void add_simulate_flags(CLI::App& command, SimulateFlags& flags) {
   group.exclude("--colour", {"--second-camera", "--unquantised", "--primaries", "--guard"});
   group.exclude("--primaries", {"--second-camera", "--unquantised", "--guard"});
   group.exclude("--guard", {"--second-camera"});
+
+  add_turntable_flags(group, flags.turntable);
+  group.exclude("--turntable", {"--second-camera", "--colour", "--primaries", "--guard"});
+  command.get_option("--turn-step")->needs("--turntable");
 
   group.add("--paint", flags.paint,
             "with --colour or --primaries: coloured surfaces that absorb up to this share of a "

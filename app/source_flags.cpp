@@ -1,6 +1,7 @@
 #include "app/source_flags.h"
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -253,6 +254,15 @@ NamedSource open(SourceRequest request, Output& output) {
 
   if (!opened.warning.empty()) output.warn(opened.warning);
   return opened;
+}
+
+std::function<void()> news_of(const FrameSource& source, Output& output) {
+  return [&source, &output, shown = std::string()]() mutable {
+    const std::string state = source.state();
+    if (state != std::exchange(shown, state)) {
+      output.warn(state.empty() ? "the camera is back" : state);
+    }
+  };
 }
 
 }  // namespace slipstream::app

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -61,5 +62,8 @@ SourceRequest request_from(const SourceFlags& flags);
 
 /// Opens the source and prints its warning and the camera nodes set.
 NamedSource open(SourceRequest request, Output& output);
+
+/// Warns if the source's state has changed since the last call.
+std::function<void()> news_of(const FrameSource& source, Output& output);
 
 }  // namespace slipstream::app

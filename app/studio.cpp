@@ -11,6 +11,7 @@
 
 #include "app/board_flags.h"
 #include "app/capture.h"
+#include "app/guided_poses.h"
 #include "app/live_session.h"
 #include "app/process.h"
 #include "app/session_settings.h"

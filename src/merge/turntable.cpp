@@ -13,12 +13,11 @@
 #include "base/numbers.h"
 #include "base/statistics.h"
 #include "base/throw_if-inl.h"
+#include "merge/surface_fit.h"
 
 namespace slipstream {
 namespace {
 
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector3 = Eigen::Vector3d;
 
 Vector3 turn_of(const Eigen::Matrix3d& rotation) {
@@ -304,8 +303,8 @@ std::optional<MovedView> moved_view(const TurntableFit& fit, std::span<const Pai
 }
 
 /// The motion of a moved view from its place on the turntable, in the first view's frame.
-Eigen::Isometry3d motion_of(MovedView& moved, const Turntable& table,
-                            std::span<const PairPose> pairs) {
+Eigen::Isometry3d motion_by_hand(MovedView& moved, const Turntable& table,
+                                 std::span<const PairPose> pairs) {
   const PairPose* surest = nullptr;
   for (const PairPose& pair : pairs) {
     if (!crosses(pair, moved.view, moved.stays)) continue;
@@ -327,7 +326,7 @@ Eigen::Isometry3d motion_of(MovedView& moved, const Turntable& table,
 /// The poses of all views in the first view's frame.
 void set_poses(TurntableFit& fit, std::size_t views, std::span<const PairPose> pairs) {
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
-  if (fit.moved) motion = motion_of(*fit.moved, fit.table, pairs);
+  if (fit.moved) motion = motion_by_hand(*fit.moved, fit.table, pairs);
 
   for (std::size_t view = 0; view < views; ++view) {
     const bool is_moved =

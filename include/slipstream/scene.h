@@ -39,20 +39,22 @@ struct Mesh {
 void append_surface(Mesh& mesh, int rows, int columns,
                     const std::function<Eigen::Vector3d(double u, double v)>& point);
 
+class TriangleTree;
+
 /// A mesh for ray tracing: its triangles in a tree of boxes.
 class MeshTree {
  public:
   /// Throws Error without triangles, or if one refers to a missing vertex.
-  explicit MeshTree(Mesh mesh);
+  explicit MeshTree(const Mesh& mesh);
 
   /// The first triangle that the ray meets, from either side; the normal is the triangle's.
   [[nodiscard]] std::optional<Hit> first_hit(const Ray& ray) const;
 
- private:
-  struct Tree;
+  /// For packets of rays.
+  [[nodiscard]] const TriangleTree& triangles() const { return *tree_; }
 
-  Mesh mesh_;
-  std::shared_ptr<const Tree> tree_;
+ private:
+  std::shared_ptr<const TriangleTree> tree_;
 };
 
 /// A flat sheet in the plane z = 0, centred on the origin; mm.

@@ -27,7 +27,8 @@ struct Sharpness {
 
   /// Pixels, at `distance` times the working distance.
   [[nodiscard]] double at(double distance) const {
-    return std::hypot(blur, defocus * (distance - 1));
+    const double more = defocus * (distance - 1);
+    return std::sqrt(blur * blur + more * more);
   }
 
   friend bool operator==(const Sharpness&, const Sharpness&) = default;

@@ -9,6 +9,7 @@
 
 #include "base/parallel_rows.h"
 #include "io/plain_pictures.h"
+#include "simulate/frame_rows.h"
 #include "simulate/seen_scene.h"
 #include "slipstream/error.h"
 
@@ -53,36 +54,26 @@ void add_noise(std::vector<Image<double>>& frames, int n, const Photometry& phot
   const bool differing = physics.dark_spread > 0 || physics.sensitivity_spread > 0;
   if (constant == 0 && level == 0 && physics.row_noise == 0 && !differing) return;
 
-  const Size size = frames.front().size();
-  for_each_row(size.height, [&](int row) {
-    const auto first = static_cast<std::uint64_t>(row) * static_cast<std::uint64_t>(size.width);
+  const auto [width, height] = frames.front().size();
+  for_each_row(height, [&, columns = std::size_t(width)](int row) {
+    const std::uint64_t first = static_cast<std::uint64_t>(row) * columns;
 
-    // The row's own offset in each frame.
-    std::vector<double> of_row(frames.size(), 0);
-    for (std::size_t i = 0; i < frames.size() && physics.row_noise != 0; ++i) {
-      const std::uint64_t number = static_cast<std::uint64_t>(n) + i + of_rows;
-      of_row[i] = physics.row_noise * gaussian(photometry.seed, number, first);
+    // The pixels' own sensitivities and offsets, equal in all frames.
+    std::vector<double> sensitivity(columns, 1), offset(columns, 0), gaussians(columns);
+    if (differing) {
+      set_gaussians(0, of_sensitivities, first, sensitivity);
+      for (double& factor : sensitivity) factor = 1 + physics.sensitivity_spread * factor;
+      set_gaussians(0, of_offsets, first, offset);
+      for (double& level_of_pixel : offset) level_of_pixel *= physics.dark_spread;
     }
 
-    // The pixel's own sensitivity and offset, equal in all frames.
-    for (int column = 0; column < size.width; ++column) {
-      const std::uint64_t pixel = first + static_cast<std::uint64_t>(column);
-      double sensitivity = 1, offset = 0;
-      if (differing) {
-        sensitivity += physics.sensitivity_spread * gaussian(0, of_sensitivities, pixel);
-        offset = physics.dark_spread * gaussian(0, of_offsets, pixel);
-      }
-
-      // Shot noise grows with the light.
-      for (std::size_t i = 0; i < frames.size(); ++i) {
-        const std::uint64_t number = static_cast<std::uint64_t>(n) + i;
-        double& intensity = frames[i](column, row);
-        intensity = intensity * sensitivity + offset;
-
-        const double shot = level * std::max(intensity, 0.0);
-        intensity += of_row[i] + std::sqrt(constant + shot) *
-                                     gaussian(photometry.seed, number, pixel);  // (3.10)
-      }
+    // In each frame, an offset of the row, and shot noise that grows with the light.
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      const std::uint64_t number = static_cast<std::uint64_t>(n) + i;
+      const double of_row = physics.row_noise * gaussian(photometry.seed, number + of_rows, first);
+      set_gaussians(photometry.seed, number, first, gaussians);
+      add_row_noise({sensitivity, offset, gaussians, constant, level, of_row},
+                    {frames[i].row(row), columns});
     }
   });
 }
@@ -110,7 +101,7 @@ std::vector<Image<Pixel>> quantised(const std::vector<Image<double>>& exposures,
   for (const Image<double>& exposure : exposures) {
     Image<Pixel>& frame = frames.emplace_back(exposure.size());
     std::ranges::transform(exposure, frame.begin(), [&](double intensity) {
-      return static_cast<Pixel>(std::lround(std::clamp(intensity / 255, 0.0, 1.0) * full_scale));
+      return static_cast<Pixel>(std::clamp(intensity / 255, 0.0, 1.0) * full_scale + 0.5);
     });
   }
 

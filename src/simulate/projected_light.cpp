@@ -6,8 +6,10 @@
 #include <cstdint>
 #include <numbers>
 #include <numeric>
+#include <span>
 #include <vector>
 
+#include "simulate/frame_rows.h"
 #include "simulate/seen_scene.h"
 
 namespace slipstream {
@@ -47,55 +49,32 @@ Profile blurred(const Profile& sharp, double deviation) {
   }
   const double all = std::accumulate(weights.begin(), weights.end(), 0.0);
 
-  const int size = static_cast<int>(sharp.size());
+  // The profile shifted by each distance, where both overlap.
   Profile result(sharp.size(), 0);
-  for (int place = 0; place < size; ++place) {
-    const int from = std::max(place - reach, 0), to = std::min(place + reach, size - 1);
-    double sum = 0;
-    for (int i = from; i <= to; ++i) sum += weights[i - place + reach] * sharp[i];
-    result[static_cast<std::size_t>(place)] = sum / all;
+  const int size = static_cast<int>(sharp.size());
+  for (int i = std::max(-reach, 1 - size); i <= std::min(reach, size - 1); ++i) {
+    const std::span<const double> from(sharp.begin() + std::max(i, 0),
+                                       sharp.end() + std::min(i, 0));
+    add_scaled(from, weights[i + reach] / all, result.data() + std::max(-i, 0));
   }
 
   return result;
 }
 
 /// Profiles of one pattern from sharp to the widest blur.
-class BlurredPattern {
- public:
-  BlurredPattern(const Profile& sharp, double widest) : profiles_{sharp} {
-    for (int step = 1; (step - 1) * blur_step < widest; ++step) {
-      profiles_.push_back(blurred(sharp, step * blur_step * places));
-    }
+BlurredProfiles blurred_profiles(const Profile& sharp, double widest) {
+  BlurredProfiles profiles{.samples = sharp,
+                           .size = static_cast<int>(sharp.size()),
+                           .steps = 1,
+                           .places = places,
+                           .blur_step = blur_step};
+  for (; (profiles.steps - 1) * blur_step < widest; ++profiles.steps) {
+    const Profile next = blurred(sharp, profiles.steps * blur_step * places);
+    profiles.samples.insert(profiles.samples.end(), next.begin(), next.end());
   }
 
-  /// `place`: from the projector's edge. Interpolates linearly in place and in the square of the
-  /// blur, by which a Gaussian reduces modulation.
-  [[nodiscard]] double at(double place, double blur) const {
-    if (blur == 0) {
-      const double last = static_cast<double>(profiles_[0].size()) - 1;
-      return profiles_[0][static_cast<std::size_t>(std::clamp(place, 0.0, last))];
-    }
-
-    // Between the profiles with the next smaller and the next larger blur.
-    const auto lower = std::min(static_cast<std::size_t>(blur / blur_step), profiles_.size() - 1);
-    const double sharper = profile_at(profiles_[lower], place);
-    if (lower + 1 == profiles_.size()) return sharper;
-
-    const double steps = static_cast<double>(lower),
-                 share = (std::pow(blur / blur_step, 2) - steps * steps) / (2 * steps + 1);
-    return std::lerp(sharper, profile_at(profiles_[lower + 1], place), share);
-  }
-
- private:
-  static double profile_at(const Profile& profile, double place) {
-    const double last = static_cast<double>(profile.size()) - 1;
-    const double within = std::clamp(place - 0.5, 0.0, last);
-    const auto left = static_cast<std::size_t>(std::min(within, last - 1));
-    return std::lerp(profile[left], profile[left + 1], within - static_cast<double>(left));
-  }
-
-  std::vector<Profile> profiles_;
-};
+  return profiles;
+}
 
 /// Share of a Gaussian over each pixel of a row, from pixel `first` on.
 struct PixelShares {
@@ -174,12 +153,7 @@ ProjectedLight projected_light(const PatternSet& patterns, int n, Size projector
   const Axis axis = patterns.axis_of(n);
 
   // The widest blur of any sample says how many blurred profiles are needed.
-  double widest = 0;
-  for (const auto& row : seen.samples) {
-    for (const LitSample& sample : row) {
-      widest = std::max(widest, std::hypot(sample.blur, sample.spread));
-    }
-  }
+  const double widest = *std::ranges::max_element(seen.widest);
 
   // Patterns of pixels, and blurred ones that vary in both directions, need the whole picture.
   const bool exact = !photometry.physics.projector_pixels && widest == 0;
@@ -198,12 +172,12 @@ ProjectedLight projected_light(const PatternSet& patterns, int n, Size projector
 
   // Otherwise a profile along the axis is enough, blurred in steps.
   const int length = length_along(axis, projector);
-  BlurredPattern pattern(sharp_profile(patterns, n, length, photometry), widest);
+  BlurredProfiles profiles =
+      blurred_profiles(sharp_profile(patterns, n, length, photometry), widest);
+  profiles.along_columns = axis == Axis::x;
 
-  return [=, pattern = std::move(pattern)](const LitSample& sample) {
-    const double pixel = axis == Axis::x ? sample.pixel.x() : sample.pixel.y();
-    const double place = (pixel + 0.5) * places;
-    return spread_light(sample, [&](double blur) { return pattern.at(place, blur); });
+  return [profiles = std::move(profiles)](std::span<const LitSample> samples, double* light) {
+    light_of(profiles, samples, light);
   };
 }
 

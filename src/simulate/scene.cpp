@@ -4,108 +4,24 @@
 #include <limits>
 #include <numeric>
 
-#include <unsupported/Eigen/BVH>
-
-#include "base/throw_if-inl.h"
+#include "simulate/ray_packet.h"
+#include "simulate/surface_packet.h"
+#include "simulate/triangle_tree.h"
 
 namespace slipstream {
 namespace {
 
-using Bounds = Eigen::AlignedBox3d;
-using BoxTree = Eigen::KdBVH<double, 3, int>;
-
-/// Query of Eigen's tree search: whether a box may contain, or a triangle is, a nearer hit.
-struct NearestHit {
-  const Mesh& mesh;
-  const Ray& ray;
-  Eigen::Array3d inverse = ray.direction.cwiseInverse();
-  Hit hit{std::numeric_limits<double>::infinity(), Eigen::Vector3d::Zero()};
-
-  bool intersectVolume(const Bounds& box) const {
-    // Where the ray crosses each pair of the box's faces.
-    const Eigen::Array3d a = (box.min() - ray.origin).array() * inverse;
-    const Eigen::Array3d b = (box.max() - ray.origin).array() * inverse;
-    const double enter = a.min(b).maxCoeff(), leave = a.max(b).minCoeff();
-    return enter <= leave && leave > 0 && enter < hit.distance;
+/// A packet of which only the first ray is traced.
+struct OneRay {
+  explicit OneRay(const Ray& ray) {
+    for (int i = 0; i < packet_rays; ++i) directions.set(i, ray.direction);
+    limit.fill(-1);
+    limit[0] = std::numeric_limits<double>::infinity();
   }
 
-  bool intersectObject(int index) {
-    const auto& [i, j, k] = mesh.triangles[index];
-    const Eigen::Vector3d& corner = mesh.vertices[i];
-    const Eigen::Vector3d side_a = mesh.vertices[j] - corner;
-    const Eigen::Vector3d side_b = mesh.vertices[k] - corner;
-    const Eigen::Vector3d normal = side_a.cross(side_b);
-
-    // 1. Where the ray meets the triangle's plane; a parallel ray misses it.
-    const double facing = ray.direction.dot(normal);
-    if (facing == 0) return false;
-
-    const Eigen::Vector3d to_corner = corner - ray.origin;
-    const double distance = to_corner.dot(normal) / facing;
-    if (distance <= 0 || distance >= hit.distance) return false;
-
-    // 2. Whether that is in the triangle: coordinates a and b along two of its sides.
-    const Eigen::Vector3d moment = ray.direction.cross(to_corner);
-    const double a = -side_b.dot(moment) / facing;
-    const double b = side_a.dot(moment) / facing;
-    if (a < 0 || b < 0 || a + b > 1) return false;
-
-    // Never true, so that the search goes on to nearer triangles.
-    hit = {distance, normal};
-    return false;
-  }
+  LaneVectors directions;
+  Lanes limit;
 };
-
-std::optional<Hit> hit(const Board& board, const Ray& ray) {
-  const double distance = -ray.origin.z() / ray.direction.z();
-  if (!(distance > 0)) return std::nullopt;
-
-  const Eigen::Vector3d point = ray.origin + distance * ray.direction;
-  const bool inside =
-      2 * std::abs(point.x()) <= board.width && 2 * std::abs(point.y()) <= board.height;
-  return inside ? std::optional<Hit>({distance, Eigen::Vector3d::UnitZ()}) : std::nullopt;
-}
-
-std::optional<Hit> hit(const Sphere& sphere, const Ray& ray) {
-  const double a = ray.direction.squaredNorm();
-  const double half_b = ray.origin.dot(ray.direction);
-
-  // Distance of the ray from the centre by its nearest point: no cancellation for far spheres.
-  const Eigen::Vector3d nearest = ray.origin - half_b / a * ray.direction;
-  const double under_root = sphere.radius * sphere.radius - nearest.squaredNorm();
-
-  if (under_root < 0) return std::nullopt;
-  const double half_chord = std::sqrt(under_root / a);
-
-  // The nearer crossing, or the farther one from within the sphere.
-  for (const double distance : {-half_b / a - half_chord, -half_b / a + half_chord}) {
-    if (distance > 0) return Hit{distance, ray.origin + distance * ray.direction};
-  }
-
-  return std::nullopt;
-}
-
-std::optional<Hit> hit(const Box& box, const Ray& ray) {
-  const Eigen::Array3d half = box.size / 2, direction = ray.direction;
-  // Where the ray crosses each pair of faces: it enters at the last of the near crossings.
-  const Eigen::Array3d a = (-half - ray.origin.array()) / direction;
-  const Eigen::Array3d b = (half - ray.origin.array()) / direction;
-  int face = 0;
-  const double enter = a.min(b).maxCoeff(&face), leave = a.max(b).minCoeff();
-
-  if (enter > leave || enter <= 0) return std::nullopt;
-  return Hit{enter, Eigen::Vector3d::Unit(face)};
-}
-
-std::optional<Hit> hit(const std::shared_ptr<const MeshTree>& tree, const Ray& ray) {
-  return tree->first_hit(ray);
-}
-
-std::optional<Hit> hit(const PlacedBody& placed, const Ray& ray) {
-  const Eigen::Affine3d& to_body = placed.to_body;
-  const Ray in_body{to_body * ray.origin, to_body.linear() * ray.direction};
-  return std::visit([&](const auto& shape) { return hit(shape, in_body); }, placed.body->shape);
-}
 
 constexpr float white = 255;
 
@@ -160,10 +76,6 @@ Image<float> blurred(const Image<std::uint8_t>& picture, double deviation) {
 
 }  // namespace
 
-struct MeshTree::Tree {
-  BoxTree boxes;
-};
-
 void append_surface(Mesh& mesh, int rows, int columns,
                     const std::function<Eigen::Vector3d(double u, double v)>& point) {
   // The corners of the cells, row by row.
@@ -182,29 +94,16 @@ void append_surface(Mesh& mesh, int rows, int columns,
   });
 }
 
-MeshTree::MeshTree(Mesh mesh) : mesh_(std::move(mesh)) {
-  if (mesh_.triangles.empty()) throw Error("the mesh has no triangles");
-
-  std::vector<int> indices;
-  std::vector<Bounds> boxes;
-  for (const std::array<int, 3>& triangle : mesh_.triangles) {
-    Bounds& box = boxes.emplace_back();
-    for (const int corner : triangle) {
-      throw_if(corner < 0 || static_cast<std::size_t>(corner) >= mesh_.vertices.size(),
-               "a triangle of the mesh refers to vertex {} of {}", corner, mesh_.vertices.size());
-      box.extend(mesh_.vertices[corner]);
-    }
-    indices.push_back(static_cast<int>(indices.size()));
-  }
-
-  tree_ = std::make_shared<const Tree>(
-      Tree{BoxTree(indices.begin(), indices.end(), boxes.begin(), boxes.end())});
-}
+MeshTree::MeshTree(const Mesh& mesh) : tree_(std::make_shared<const TriangleTree>(mesh)) {}
 
 std::optional<Hit> MeshTree::first_hit(const Ray& ray) const {
-  NearestHit nearest{mesh_, ray};
-  Eigen::BVIntersect(tree_->boxes, nearest);
-  return std::isinf(nearest.hit.distance) ? std::nullopt : std::optional(nearest.hit);
+  const OneRay one(ray);
+  Lanes distance = one.limit;
+  std::array<int, packet_rays> triangle;
+  tree_->find_first(ray.origin, one.directions, distance, triangle);
+
+  if (triangle[0] < 0) return std::nullopt;
+  return Hit{distance[0], tree_->normal(triangle[0])};
 }
 
 Texture uniform_texture(double alpha) {
@@ -212,13 +111,7 @@ Texture uniform_texture(double alpha) {
 }
 
 Texture veined_texture(double darkest, double brightest, double scale) {
-  return [=](const Eigen::Vector3d& p) {
-    const Eigen::Vector3d q = p / scale;
-    const double turbulence = std::sin(2.1 * q.x() + 1.3 * std::sin(1.7 * q.y())) +
-                              std::sin(2.9 * q.y() + 1.1 * std::sin(2.3 * q.z() + q.x()));
-    const double vein = std::abs(std::sin(1.5 * q.x() + q.y() + turbulence));
-    return brightest - (brightest - darkest) * std::pow(1 - vein, 4);
-  };
+  return VeinedTexture{darkest, brightest, scale};
 }
 
 Texture picture_texture(const Image<std::uint8_t>& picture, double mm_per_pixel, double dark,
@@ -314,34 +207,25 @@ std::vector<PlacedBody> placed_at(const Scene& scene, double time) {
 }
 
 std::optional<SurfacePoint> first_surface(const std::vector<PlacedBody>& bodies, const Ray& ray) {
-  const PlacedBody* nearest = nullptr;
-  Hit first{.distance = std::numeric_limits<double>::infinity(), .normal = {}};
+  const OneRay one(ray);
+  const PacketHits hits = first_hits(bodies, ray.origin, one.directions, one.limit);
+  if (hits.body[0] < 0) return std::nullopt;
 
-  for (const PlacedBody& body : bodies) {
-    const std::optional<Hit> found = hit(body, ray);
-    if (!found || found->distance >= first.distance) continue;
-    nearest = &body;
-    first = *found;
-  }
-  if (nearest == nullptr) return std::nullopt;
-
-  const Body& met = *nearest->body;
-  const Eigen::Vector3d point = ray.origin + first.distance * ray.direction;
-  Eigen::Vector3d normal = (nearest->pose.linear() * first.normal).normalized();
-  if (normal.dot(ray.direction) > 0) normal = -normal;
-  return SurfacePoint{first.distance, point,    normal, met.texture(nearest->to_body * point),
-                      met.shading,    met.gloss};
+  const PacketSurfaces surfaces = surfaces_of(bodies, hits, ray.origin, one.directions);
+  return SurfacePoint{hits.distance[0],
+                      surfaces.point.at(0),
+                      surfaces.normal.at(0),
+                      surfaces.alpha[0],
+                      bodies[hits.body[0]].body->shading,
+                      surfaces.gloss[0]};
 }
 
 bool in_shadow(const std::vector<PlacedBody>& bodies, const Eigen::Vector3d& point,
                const Eigen::Vector3d& light) {
-  // From the light towards the point; its own surface is at distance 1, within rounding.
-  constexpr double own_surface = 1 - 1e-6;
-  const Ray ray{light, point - light};
-  return std::ranges::any_of(bodies, [&](const PlacedBody& body) {
-    const std::optional<Hit> found = hit(body, ray);
-    return found && found->distance < own_surface;
-  });
+  OneRay one({light, point - light});
+  one.limit[0] = own_surface;
+  block(bodies, light, one.directions, one.limit);
+  return one.limit[0] < 0;
 }
 
 }  // namespace slipstream

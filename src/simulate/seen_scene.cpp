@@ -1,52 +1,34 @@
 #include "simulate/seen_scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
+#include <limits>
 #include <numbers>
 #include <numeric>
-#include <optional>
 #include <stop_token>
-#include <type_traits>
 #include <vector>
 
 #include "base/parallel_rows.h"
 #include "decode/equations.h"
+#include "simulate/frame_rows.h"
+#include "simulate/lens_packet.h"
+#include "simulate/ray_packet.h"
+#include "simulate/surface_packet.h"
 #include "slipstream/named_scenes.h"
 
 namespace slipstream {
 namespace {
 
 using Vector = Eigen::Vector3d;
+using Bodies = std::vector<PlacedBody>;
 
 /// Squared distance from the centre of a picture, 1 in its corners.
 double off_centre(const Eigen::Vector2d& pixel, Size size) {
   const Eigen::Vector2d middle(0.5 * size.width, 0.5 * size.height);
   return (pixel - middle).squaredNorm() / middle.squaredNorm();
-}
-
-/// The projector pixel that lights a point; nullopt in shadow or outside the field.
-std::optional<Eigen::Vector2d> lighting_pixel(const Scanner& scanner,
-                                              const std::vector<PlacedBody>& bodies,
-                                              const SurfacePoint& surface) {
-  const Lens& projector = scanner.projector;
-  const Vector centre = projector_centre(scanner);
-  const Vector point = in_projector_frame(scanner, surface.point);
-  if (point.z() <= 0 || surface.normal.dot(centre - surface.point) <= 0) return std::nullopt;
-
-  const Eigen::Vector2d pixel = project(projector, point);
-  const bool in_field = pixel.x() >= -0.5 && pixel.x() < projector.size.width - 0.5 &&
-                        pixel.y() >= -0.5 && pixel.y() < projector.size.height - 0.5;
-  if (!in_field) return std::nullopt;
-
-  if (!is_straight(projector)) {
-    // Far outside the field, the lens model folds back into it.
-    const Vector ray = ray_through(projector, pixel);
-    if (!(ray - point / point.z()).isZero(1e-6)) return std::nullopt;
-  }
-
-  if (in_shadow(bodies, surface.point, centre)) return std::nullopt;
-  return pixel;
 }
 
 /// Offset from the pixel's centre, pixels. A golden-section lattice spreads the rays evenly in
@@ -60,18 +42,18 @@ Eigen::Vector2d ray_offset(int ray, int rays) {
   return (place + Eigen::Vector2d(0.5, 0.5)) / rays - Eigen::Vector2d(0.5, 0.5);
 }
 
-/// A cosine-distributed direction around `normal`; u and v in [0, 1).
-Vector diffuse_direction(const Vector& normal, double u, double v) {
-  const Vector across = normal.unitOrthogonal(), along = normal.cross(across);
-  const double radius = std::sqrt(u), angle = 2 * std::numbers::pi * v;
-  return radius * (std::cos(angle) * across + std::sin(angle) * along) + std::sqrt(1 - u) * normal;
+std::vector<Eigen::Vector2d> ray_offsets(int rays) {
+  std::vector<Eigen::Vector2d> offsets;
+  for (int ray = 0; ray < rays; ++ray) offsets.push_back(ray_offset(ray, rays));
+  return offsets;
 }
 
-/// The surface that a camera ray meets, and the light on it.
-struct Met {
-  SurfacePoint surface;
-  double reflectivity = 0;
-  std::optional<LitSample> light{};
+/// The surfaces that the rays of a packet meet, and the light on them.
+struct MetPacket {
+  std::array<bool, packet_rays> met{}, lit{};
+  PacketSurfaces surfaces;
+  Lanes reflectivity;
+  std::array<LitSample, packet_rays> light{};  ///< of those that are lit
 };
 
 struct Onlooker {
@@ -85,174 +67,315 @@ struct Onlooker {
   double working_distance = (working_place - light).norm();  ///< from the projector
   /// Distance at which the light is nominal.
   double bright_distance = working_distance - working_volume(scanner).extent / 4;
-  std::vector<PlacedBody> bodies = placed_at(scene, time);
+  Bodies bodies = placed_at(scene, time);
+  /// The projector's lens is known to be invertible up to this tangent.
+  double invertible = largest_tangent(scanner.projector).value_or(0);
+  std::vector<Eigen::Vector2d> offsets = ray_offsets(photometry.rays);
 
-  [[nodiscard]] std::optional<Met> along(const Eigen::Vector2d& pixel) const {
-    const Vector direction = ray_through(scanner.camera, pixel + residue(pixel));
-    if (!direction.allFinite()) return std::nullopt;
+  /// The bodies as they are when a row is exposed.
+  [[nodiscard]] Bodies at_row(int row) const {
+    if (!physics.rolling_shutter) return bodies;
+    return placed_at(scene, time + rolled(physics, row, scanner.camera.size.height));
+  }
 
-    const Ray ray{Vector::Zero(), direction};
-    return at_row_of(pixel, [&](const auto& placed) { return met(ray, placed); });
+  /// What camera rays through these pixels meet, the first `count` of a packet.
+  [[nodiscard]] MetPacket along(const Bodies& placed, PacketRays& rays, Lanes column, Lanes row,
+                                int count) const {
+    for (int i = count; i < packet_rays; ++i) {
+      column[i] = column[0];
+      row[i] = row[0];
+    }
+    if (physics.lens_residue != 0) add_residue(column, row);
+
+    LaneVectors directions;
+    rays.find(column, row, directions);
+    return met(placed, Vector::Zero(), directions, count);
   }
 
   /// Adds the light that other surfaces reflect onto a pixel's surface.
-  void add_bounces(const Eigen::Vector2d& pixel, const SurfacePoint& from,
-                   std::vector<LitSample>& samples) const {
+  void add_bounces(const Bodies& placed, const Eigen::Vector2d& pixel, const Vector& point,
+                   const Vector& normal, double alpha, std::vector<LitSample>& samples) const {
     // Each pixel has a direction of its own, from which its rays turn on evenly.
     const auto key = static_cast<std::uint64_t>(pixel.y() * 65536 + pixel.x());
     const double turn = uniform(key);
+    const Vector across = normal.unitOrthogonal(), along = normal.cross(across);
 
-    at_row_of(pixel, [&](const auto& placed) {
-      for (int i = 0; i < physics.bounces; ++i) {
-        const double u = (i + 0.5) / physics.bounces;
-        const Vector direction = diffuse_direction(from.normal, u, turn + i / std::numbers::phi);
-        const std::optional<Met> other = met({from.point + 1e-4 * from.normal, direction}, placed);
+    for (int first = 0; first < physics.bounces; first += packet_rays) {
+      const int count = std::min(packet_rays, physics.bounces - first);
+      LaneVectors directions;
 
-        if (!other || !other->light) continue;
-        samples.push_back(*other->light);
-        samples.back().strength *= from.alpha / physics.bounces;
+      // Cosine-distributed around the normal.
+      for (int i = 0; i < packet_rays; ++i) {
+        const int bounce = first + std::min(i, count - 1);
+        const double u = (bounce + 0.5) / physics.bounces, radius = std::sqrt(u);
+        const double angle = 2 * std::numbers::pi * (turn + bounce / std::numbers::phi);
+        directions.set(i, radius * (std::cos(angle) * across + std::sin(angle) * along) +
+                              std::sqrt(1 - u) * normal);
       }
-    });
+
+      const MetPacket other = met(placed, point + 1e-4 * normal, directions, count);
+      for (int i = 0; i < count; ++i) {
+        if (!other.lit[i]) continue;
+        samples.push_back(other.light[i]);
+        samples.back().strength *= alpha / physics.bounces;
+      }
+    }
   }
 
-  /// Calls `use` with the bodies as they are when the pixel's row is exposed.
-  template <class Use>
-  std::invoke_result_t<Use, const std::vector<PlacedBody>&> at_row_of(const Eigen::Vector2d& pixel,
-                                                                      const Use& use) const {
-    if (!physics.rolling_shutter) return use(bodies);
-    const double later = rolled(physics, pixel.y(), scanner.camera.size.height);
-    return use(placed_at(scene, time + later));
-  }
-
-  /// A smooth error that no lens polynomial fits.
-  [[nodiscard]] Eigen::Vector2d residue(const Eigen::Vector2d& pixel) const {
-    if (physics.lens_residue == 0) return Eigen::Vector2d::Zero();
-    const double u = 12 * pixel.x() / scanner.camera.size.width;
-    const double v = 12 * pixel.y() / scanner.camera.size.width;
-    return physics.lens_residue * Eigen::Vector2d(std::sin(u + std::cos(v)), std::cos(v - u));
-  }
-
-  /// `eye`: origin of the ray.
-  [[nodiscard]] double reflectivity(const SurfacePoint& surface, const Vector& eye) const {
-    constexpr double sharpness = 30;
-    const Vector to_light = (light - surface.point).normalized();
-    double alpha = surface.alpha;
-    if (surface.shading == Shading::lambertian) {
-      alpha *= std::max(0.0, surface.normal.dot(to_light));
+ private:
+  /// Adds a smooth error that no lens polynomial fits.
+  void add_residue(Lanes& column, Lanes& row) const {
+    Lanes u, v;
+    for (int i = 0; i < packet_rays; ++i) {
+      u[i] = 12 * column[i] / scanner.camera.size.width;
+      v[i] = 12 * row[i] / scanner.camera.size.width;
     }
 
-    // The highlight, where the normal is half way between the light and the eye.
-    const Vector half_way = (to_light + (eye - surface.point).normalized()).normalized();
-    return std::clamp(alpha, 0.0, 1.0) +
-           (surface.gloss + physics.gloss) *
-               std::pow(std::max(0.0, surface.normal.dot(half_way)), sharpness);
+    Lanes to_right, down;
+    cosines(v, to_right);
+    for (int i = 0; i < packet_rays; ++i) {
+      to_right[i] += u[i];
+      down[i] = v[i] - u[i];
+    }
+    sines(to_right, to_right);
+    cosines(down, down);
+
+    for (int i = 0; i < packet_rays; ++i) {
+      column[i] += physics.lens_residue * to_right[i];
+      row[i] += physics.lens_residue * down[i];
+    }
   }
 
-  [[nodiscard]] std::optional<Met> met(const Ray& ray,
-                                       const std::vector<PlacedBody>& placed) const {
-    const std::optional<SurfacePoint> surface = first_surface(placed, ray);
-    if (!surface) return std::nullopt;
+  [[nodiscard]] MetPacket met(const Bodies& placed, const Vector& origin,
+                              const LaneVectors& directions, int count) const {
+    MetPacket result;
 
-    const double distance = (surface->point - light).norm();
-    Met result{*surface, reflectivity(*surface, ray.origin)};
+    // 1. The surfaces.
+    Lanes limit;
+    for (int i = 0; i < packet_rays; ++i) {
+      const bool traced = i < count && std::isfinite(directions.x[i] + directions.y[i]);
+      limit[i] = traced ? std::numeric_limits<double>::infinity() : -1;
+    }
+    const PacketHits hits = first_hits(placed, origin, directions, limit);
+    std::ranges::transform(hits.body, result.met.begin(), [](int body) { return body >= 0; });
+    if (std::ranges::none_of(result.met, std::identity())) return result;
 
-    // Lit by the projector: with fall-off, its lens's loss, its blur and the spread in the surface.
-    const double share = physics.fall_off ? std::pow(bright_distance / distance, 2) : 1;
-    if (const auto pixel = lighting_pixel(scanner, placed, *surface)) {
-      const double lens_loss = 1 - physics.vignetting * off_centre(*pixel, scanner.projector.size);
-      result.light = {*pixel, share * lens_loss * result.reflectivity,
-                      physics.projector.at(distance / working_distance),
-                      physics.translucency * scanner.projector.intrinsic(0, 0) / distance};
+    result.surfaces = surfaces_of(placed, hits, origin, directions);
+    reflect(result.surfaces, light, origin, physics.gloss, result.reflectivity);
+
+    // 2. Those that the projector lights.
+    const LightingPixels pixels = lighting_pixels(scanner, light, result.surfaces);
+    const Lens& projector = scanner.projector;
+    for (int i = 0; i < packet_rays; ++i) {
+      result.lit[i] = result.met[i] && pixels.lit[i] > 0;
+      if (!result.lit[i] || pixels.tangent2[i] <= invertible * invertible) continue;
+
+      // Far outside the field, the lens model folds back into it.
+      const Vector point = in_projector_frame(scanner, result.surfaces.point.at(i));
+      const Vector ray = ray_through(projector, {pixels.column[i], pixels.row[i]});
+      result.lit[i] = (ray - point / point.z()).isZero(1e-6);
+    }
+    remove_shadow(placed, result);
+
+    // 3. Their light: with fall-off, the lens's loss, its blur and the spread in the surface.
+    for (int i = 0; i < packet_rays; ++i) {
+      if (!result.lit[i]) continue;
+      const double distance = pixels.distance[i], near = bright_distance / distance;
+      const double share = physics.fall_off ? near * near : 1;
+      const Eigen::Vector2d pixel(pixels.column[i], pixels.row[i]);
+      const double lens_loss = 1 - physics.vignetting * off_centre(pixel, projector.size);
+      result.light[i] = {pixel, share * lens_loss * result.reflectivity[i],
+                         physics.projector.at(distance / working_distance),
+                         physics.translucency * projector.intrinsic(0, 0) / distance};
     }
 
     return result;
   }
-};
 
-/// Surfaces met by the rays through the pixels' centres.
-struct MetByCentres {
-  Size size;
-  std::vector<std::optional<Met>> met;
+  void remove_shadow(const Bodies& placed, MetPacket& packet) const {
+    const auto first = std::ranges::find(packet.lit, true);
+    if (first == packet.lit.end()) return;
 
-  /// Clamps to the picture.
-  [[nodiscard]] std::optional<Met>& at(int column, int row) {
-    const int x = std::clamp(column, 0, size.width - 1), y = std::clamp(row, 0, size.height - 1);
-    return met[y * size.width + x];
+    // From the light towards the points; those not searched are like the first.
+    LaneVectors directions;
+    Lanes limit;
+    for (int i = 0; i < packet_rays; ++i) {
+      const auto from = packet.lit[i] ? i : first - packet.lit.begin();
+      directions.x[i] = packet.surfaces.point.x[from] - light.x();
+      directions.y[i] = packet.surfaces.point.y[from] - light.y();
+      directions.z[i] = packet.surfaces.point.z[from] - light.z();
+      limit[i] = packet.lit[i] ? own_surface : -1;
+    }
+
+    block(placed, light, directions, limit);
+    for (int i = 0; i < packet_rays; ++i) packet.lit[i] = limit[i] > 0;
   }
 };
 
+/// Light and surfaces at the pixels' centres, beside what SeenScene has of them.
+struct Centres {
+  explicit Centres(const SeenScene& seen, bool with_surfaces)
+      : light(seen.size.width * seen.size.height), surfaces(with_surfaces ? light.size() : 0) {}
+
+  struct Surface {
+    Vector point, normal;
+    double alpha = 0;
+  };
+
+  std::vector<LitSample> light;
+  std::vector<Surface> surfaces;  ///< for bounces; otherwise empty
+};
+
+/// What the rays through the centres of a row's pixels meet.
+void look_at_centres(const Onlooker& onlooker, int row, SeenScene& seen, Centres& centres) {
+  const Bodies placed = onlooker.at_row(row);
+  PacketRays rays(onlooker.scanner.camera);
+
+  for (int first = 0; first < seen.size.width; first += packet_rays) {
+    const int count = std::min(packet_rays, seen.size.width - first);
+    Lanes columns, rows;
+    for (int i = 0; i < count; ++i) columns[i] = first + i, rows[i] = row;
+    const MetPacket met = onlooker.along(placed, rays, columns, rows, count);
+
+    // The ground truth is at the pixel's centre.
+    for (int i = 0; i < count; ++i) {
+      const int column = first + i;
+      if (!met.met[i]) continue;
+      const PacketSurfaces& surfaces = met.surfaces;
+      seen.depth(column, row) = surfaces.point.z[i];
+      seen.reflectivity(column, row) = seen.albedo(column, row) = met.reflectivity[i];
+
+      const std::size_t pixel = std::size_t(row) * seen.size.width + column;
+      if (!centres.surfaces.empty()) {
+        centres.surfaces[pixel] = {surfaces.point.at(i), surfaces.normal.at(i), surfaces.alpha[i]};
+      }
+      if (!met.lit[i]) continue;
+      seen.lit_column(column, row) = met.light[i].pixel.x();
+      seen.lit_row(column, row) = met.light[i].pixel.y();
+      centres.light[pixel] = met.light[i];
+    }
+  }
+}
+
 /// Whether a pixel and its neighbours see one smooth surface with uniform light.
-bool is_even(MetByCentres& met, int column, int row) {
+bool is_even(const SeenScene& seen, int column, int row) {
   constexpr double bend = 2e-4;  // of the depth, from pixel to pixel
   constexpr double contrast = 0.02;
-  const std::optional<Met>& here = met.at(column, row);
+  const double depth = seen.depth(column, row), alpha = seen.reflectivity(column, row);
+  const bool lit = !std::isnan(seen.lit_column(column, row));
 
-  const auto beside = [&](int right, int down) -> const std::optional<Met>& {
-    return met.at(column + right, row + down);
-  };
+  // At most the half of two neighbours is past the picture's edge, where the centre stands for it.
+  const auto straight = [&](int right, int down) {
+    double sum = 0;
+    for (const int sign : {-1, 1}) {
+      const int x = std::clamp(column + sign * right, 0, seen.size.width - 1);
+      const int y = std::clamp(row + sign * down, 0, seen.size.height - 1);
 
-  // Lit or not like the centre, with about the same reflectivity.
-  const auto alike = [&](const std::optional<Met>& other) {
-    if (!here || !other) return !here && !other;
-    return here->light.has_value() == other->light.has_value() &&
-           std::abs(here->reflectivity - other->reflectivity) < contrast;
-  };
+      // Lit or not like the centre, with about the same reflectivity.
+      const double there = seen.depth(x, y);
+      if (std::isnan(there) != std::isnan(depth)) return false;
+      if (lit == std::isnan(seen.lit_column(x, y))) return false;
+      if (!(std::abs(seen.reflectivity(x, y) - alpha) < contrast)) return false;
+      sum += there;
+    }
 
-  // Two opposite neighbours with the centre between them: flat within the bend.
-  const auto straight = [&](const std::optional<Met>& one, const std::optional<Met>& other) {
-    if (!alike(one) || !alike(other)) return false;
-    if (!here) return true;
-    const double depth = here->surface.point.z();
-    return std::abs(one->surface.point.z() + other->surface.point.z() - 2 * depth) < bend * depth;
+    // Flat within the bend.
+    return std::isnan(depth) || std::abs(sum - 2 * depth) < bend * depth;
   };
 
   // In all four directions: across, down and both diagonals.
-  return straight(beside(-1, 0), beside(1, 0)) && straight(beside(0, -1), beside(0, 1)) &&
-         straight(beside(-1, -1), beside(1, 1)) && straight(beside(-1, 1), beside(1, -1));
+  return straight(1, 0) && straight(0, 1) && straight(1, 1) && straight(-1, 1);
 }
 
-void add_mean_of_rays(const Onlooker& onlooker, const Eigen::Vector2d& pixel, double& albedo,
-                      std::vector<LitSample>& samples) {
-  albedo = 0;
+/// Mean reflectivities and light of several rays through each of some pixels of a row.
+struct MeansOfRays {
+  std::vector<double> albedo;
+  std::vector<LitSample> samples{};
+  std::vector<int> sample_count;  ///< for each pixel
+};
 
-  for (int ray = 0; ray < onlooker.photometry.rays; ++ray) {
-    const auto met = onlooker.along(pixel + ray_offset(ray, onlooker.photometry.rays));
-    if (!met) continue;
-    albedo += met->reflectivity / onlooker.photometry.rays;
-    if (!met->light) continue;
-    samples.push_back(*met->light);
-    samples.back().strength /= onlooker.photometry.rays;
-  }
-}
+MeansOfRays means_of_rays(const Onlooker& onlooker, const Bodies& placed, int row,
+                          const std::vector<int>& columns) {
+  const int rays_of_pixel = onlooker.photometry.rays;
+  const int all = rays_of_pixel * static_cast<int>(columns.size());
+  PacketRays rays(onlooker.scanner.camera);
+  MeansOfRays means{.albedo = std::vector<double>(columns.size()),
+                    .sample_count = std::vector<int>(columns.size())};
 
-/// Convolves along one direction with a Gaussian whose `deviation` varies from pixel to pixel.
-Image<double> blurred_along(const Image<double>& picture, const Image<double>& deviation, int right,
-                            int down) {
-  Image<double> result(picture.size());
-  for_each_row(picture.height(), [&](int row) {
-    std::vector<double> weight;  // by distance
-    for (int column = 0; column < picture.width(); ++column) {
-      const double sigma = std::max(deviation(column, row), 1e-3);
-      const int reach = static_cast<int>(std::ceil(4 * sigma));
-      weight.resize(reach + 1);
-      for (int i = 0; i <= reach; ++i) weight[i] = std::exp(-0.5 * i * i / (sigma * sigma));
-
-      double sum = 0, weights = 0;
-      for (int i = -reach; i <= reach; ++i) {
-        const int x = std::clamp(column + i * right, 0, picture.width() - 1);
-        const int y = std::clamp(row + i * down, 0, picture.height() - 1);
-        sum += weight[std::abs(i)] * picture(x, y);
-        weights += weight[std::abs(i)];
-      }
-
-      result(column, row) = sum / weights;
+  for (int first = 0; first < all; first += packet_rays) {
+    const int count = std::min(packet_rays, all - first);
+    Lanes across, down;
+    for (int i = 0; i < count; ++i) {
+      const Eigen::Vector2d& offset = onlooker.offsets[(first + i) % rays_of_pixel];
+      across[i] = columns[(first + i) / rays_of_pixel] + offset.x();
+      down[i] = row + offset.y();
     }
-  });
 
-  return result;
+    const MetPacket met = onlooker.along(placed, rays, across, down, count);
+    for (int i = 0; i < count; ++i) {
+      const int pixel = (first + i) / rays_of_pixel;
+      if (!met.met[i]) continue;
+      means.albedo[pixel] += met.reflectivity[i] / rays_of_pixel;
+      if (!met.lit[i]) continue;
+      means.samples.push_back(met.light[i]);
+      means.samples.back().strength /= rays_of_pixel;
+      ++means.sample_count[pixel];
+    }
+  }
+
+  return means;
+}
+
+/// The light of a row's pixels, from one ray on even surfaces and from several elsewhere.
+void light_row(const Onlooker& onlooker, int row, const Centres& centres, SeenScene& seen) {
+  const Photometry& photometry = onlooker.photometry;
+  const Bodies placed = onlooker.at_row(row);
+
+  // 1. The uneven pixels.
+  std::vector<int> uneven;
+  for (int column = 0; column < seen.size.width && photometry.rays > 1; ++column) {
+    if (!is_even(seen, column, row)) uneven.push_back(column);
+  }
+  const MeansOfRays means = means_of_rays(onlooker, placed, row, uneven);
+
+  // 2. All of them, in their order.
+  std::vector<LitSample>& samples = seen.samples[row];
+  std::size_t next = 0;
+  auto next_sample = means.samples.begin();
+  for (int column = 0; column < seen.size.width; ++column) {
+    const std::size_t pixel = std::size_t(row) * seen.size.width + column;
+    const std::size_t before = samples.size();
+    const double depth = seen.depth(column, row) / onlooker.working_place.z();
+    seen.blur(column, row) = photometry.physics.camera.at(std::isnan(depth) ? 1 : depth);
+
+    if (next < uneven.size() && uneven[next] == column) {
+      const auto end = next_sample + means.sample_count[next];
+      samples.insert(samples.end(), next_sample, end);
+      seen.albedo(column, row) = means.albedo[next++];
+      next_sample = end;
+    } else if (!std::isnan(seen.lit_column(column, row))) {
+      samples.push_back(centres.light[pixel]);
+    }
+
+    if (!std::isnan(depth) && !centres.surfaces.empty()) {
+      const auto& [point, normal, alpha] = centres.surfaces[pixel];
+      onlooker.add_bounces(placed, Eigen::Vector2d(column, row), point, normal, alpha, samples);
+    }
+    seen.sample_count(column, row) = static_cast<int>(samples.size() - before);
+  }
+
+  seen.widest[row] = widest_blur(samples);
 }
 
 }  // namespace
+
+double widest_blur(std::span<const LitSample> samples) {
+  double widest2 = 0;
+  for (const LitSample& sample : samples) {
+    widest2 = std::max(widest2, sample.blur * sample.blur + sample.spread * sample.spread);
+  }
+  return std::sqrt(widest2);
+}
 
 double rolled(const Physics& physics, double row, int rows) {
   constexpr double from_first_to_last = 0.9;  // frames
@@ -261,48 +384,16 @@ double rolled(const Physics& physics, double row, int rows) {
 
 SeenScene look(const Scanner& scanner, const Scene& scene, const Photometry& photometry,
                double time, const std::stop_token& stop) {
-  // 1. The surface that each pixel's centre ray meets.
   const Size size = scanner.camera.size;
   const Onlooker onlooker{scanner, scene, photometry, time};
-  MetByCentres met{size, std::vector<std::optional<Met>>(size.width * size.height)};
-  for_each_pixel(size, [&](int column, int row) {
-    if (stop.stop_requested()) return;
-    met.at(column, row) = onlooker.along(Eigen::Vector2d(column, row));
-  });
-
-  // 2. The light of each pixel, from one ray on even surfaces and from several elsewhere.
   SeenScene seen{size};
+  Centres centres(seen, photometry.physics.bounces > 0);
+
   for_each_row(size.height, [&](int row) {
-    if (stop.stop_requested()) return;
-    std::vector<LitSample>& samples = seen.samples[row];
-
-    for (int column = 0; column < size.width; ++column) {
-      const Eigen::Vector2d pixel(column, row);
-      const std::size_t before = samples.size();
-      const std::optional<Met>& centre = met.at(column, row);
-
-      // The ground truth is at the pixel's centre.
-      if (centre) {
-        seen.depth(column, row) = centre->surface.point.z();
-        seen.reflectivity(column, row) = seen.albedo(column, row) = centre->reflectivity;
-        if (centre->light) {
-          seen.lit_column(column, row) = centre->light->pixel.x();
-          seen.lit_row(column, row) = centre->light->pixel.y();
-        }
-      }
-
-      const double depth = seen.depth(column, row) / onlooker.working_place.z();
-      seen.blur(column, row) = photometry.physics.camera.at(std::isnan(depth) ? 1 : depth);
-
-      if (photometry.rays > 1 && !is_even(met, column, row)) {
-        add_mean_of_rays(onlooker, pixel, seen.albedo(column, row), samples);
-      } else if (centre && centre->light) {
-        samples.push_back(*centre->light);
-      }
-
-      if (centre) onlooker.add_bounces(pixel, centre->surface, samples);
-      seen.sample_count(column, row) = static_cast<int>(samples.size() - before);
-    }
+    if (!stop.stop_requested()) look_at_centres(onlooker, row, seen, centres);
+  });
+  for_each_row(size.height, [&](int row) {
+    if (!stop.stop_requested()) light_row(onlooker, row, centres, seen);
   });
 
   return seen;
@@ -317,14 +408,18 @@ Image<double> exposed(const SeenScene& seen, const Photometry& photometry, int n
 
   Image<double> frame(size);
   for_each_row(size.height, [&](int row) {
-    auto sample = seen.samples[row].begin();
+    const std::vector<LitSample>& samples = seen.samples[row];
+    std::vector<double> lit(samples.size());
+    light(samples, lit.data());
+
+    std::size_t next = 0;
     for (int column = 0; column < size.width; ++column) {
       const double from_middle = (2.0 * column - size.width) / size.width;
       const double beta = photometry.ambient * (1 + physics.ambient_gradient * from_middle);
       double sum = (seen.albedo(column, row) + 1) * beta;
 
-      for (int i = 0; i < seen.sample_count(column, row); ++i, ++sample) {
-        sum += sample->strength * light(*sample);
+      for (int i = 0; i < seen.sample_count(column, row); ++i, ++next) {
+        sum += samples[next].strength * lit[next];
       }
 
       const double lens_loss =
@@ -338,7 +433,38 @@ Image<double> exposed(const SeenScene& seen, const Photometry& photometry, int n
 }
 
 Image<double> blurred_picture(const Image<double>& picture, const Image<double>& deviation) {
-  return blurred_along(blurred_along(picture, deviation, 1, 0), deviation, 0, 1);
+  const auto [width, height] = picture.size();
+  const double widest = *std::max_element(deviation.begin(), deviation.end());
+  const int reach = std::max(1, static_cast<int>(std::ceil(4 * widest)));
+
+  // 1. Along the rows, whose ends are repeated beyond them.
+  Image<double> along(picture.size()), result(picture.size());
+  for_each_row(height, [&](int row) {
+    std::vector<double> wide(width + 2 * reach, picture(0, row));
+    std::copy_n(picture.row(row), width, wide.begin() + reach);
+    std::fill_n(wide.end() - reach, reach, picture(width - 1, row));
+
+    std::vector<const double*> before, after;
+    for (int i = 1; i <= reach; ++i) {
+      before.push_back(wide.data() + reach - i);
+      after.push_back(wide.data() + reach + i);
+    }
+    blur_row(wide.data() + reach, before, after, {deviation.row(row), std::size_t(width)},
+             along.row(row));
+  });
+
+  // 2. Along the columns.
+  for_each_row(height, [&](int row) {
+    std::vector<const double*> before, after;
+    for (int i = 1; i <= reach; ++i) {
+      before.push_back(along.row(std::max(row - i, 0)));
+      after.push_back(along.row(std::min(row + i, height - 1)));
+    }
+    blur_row(along.row(row), before, after, {deviation.row(row), std::size_t(width)},
+             result.row(row));
+  });
+
+  return result;
 }
 
 }  // namespace slipstream

@@ -1,9 +1,13 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <stop_token>
+#include <utility>
 #include <vector>
 
 #include "base/numbers.h"
@@ -52,8 +56,12 @@ struct SeenScene {
   Image<double> lit_column{size, nan}, lit_row{size, nan};
   /// For each row, pixel by pixel.
   std::vector<std::vector<LitSample>> samples = std::vector<std::vector<LitSample>>(size.height);
-  Image<int> sample_count{size};  ///< for each pixel
+  Image<int> sample_count{size};                                  ///< for each pixel
+  std::vector<double> widest = std::vector<double>(size.height);  ///< blur of each row's samples
 };
+
+/// The widest blur of any sample, with its spread, projector pixels.
+double widest_blur(std::span<const LitSample> samples);
 
 /// How much later than the first row a row is exposed, frames; 0 without a rolling shutter.
 double rolled(const Physics& physics, double row, int rows);
@@ -64,8 +72,32 @@ double rolled(const Physics& physics, double row, int rows);
 SeenScene look(const Scanner& scanner, const Scene& scene, const Photometry& photometry,
                double time, const std::stop_token& stop = {});
 
-/// Light of a position in the projector's picture under blur, grey levels of 8 bits.
-using ProjectedLight = std::function<double(const LitSample&)>;
+/// Light of positions in the projector's picture under blur, grey levels of 8 bits.
+class ProjectedLight {
+ public:
+  /// `light`: of one sample.
+  template <std::invocable<const LitSample&> Light>
+  ProjectedLight(Light light)
+      : of_samples_([light = std::move(light)](std::span<const LitSample> samples, double* to) {
+          std::ranges::transform(samples, to, light);
+        }) {}
+
+  /// `light`: of several samples, into an array of their number.
+  template <std::invocable<std::span<const LitSample>, double*> Light>
+  ProjectedLight(Light light) : of_samples_(std::move(light)) {}
+
+  double operator()(const LitSample& sample) const {
+    double light = 0;
+    of_samples_({&sample, 1}, &light);
+    return light;
+  }
+  void operator()(std::span<const LitSample> samples, double* light) const {
+    of_samples_(samples, light);
+  }
+
+ private:
+  std::function<void(std::span<const LitSample>, double*)> of_samples_;
+};
 
 /// Frame n before sensor noise, grey levels of 8 bits: I = alpha (I^p + beta) + beta, Eq. (3.2),
 /// plus the effects of Physics. `exposure`: relative to the usual one.

@@ -142,8 +142,7 @@ PatternSet oblique(Axis axis) {
 /// A + B exp(i phi) at a sample, from three steps.
 std::complex<double> phasor(const LitSample& sample, Axis axis, const Photometry& photometry) {
   SeenScene seen{{1, 1}};
-  seen.samples.resize(1);
-  seen.samples.front().push_back(sample);
+  seen.widest.front() = widest_blur({&sample, 1});
   std::complex<double> sum = 0;
   for (int n = 0; n < 3; ++n) {
     const double light =

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <vector>
 #include <atomic>
 #include <future>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "app/board_flags.h"
 #include "app/monitor_projector.h"

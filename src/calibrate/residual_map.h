@@ -10,7 +10,8 @@ struct ResidualDegrees {
   int camera = 0, projector = 0;
 };
 
-/// bundle_adjusted with residual maps of these degrees, fitted to the corners in turn with the rest.
+/// bundle_adjusted with residual maps of these degrees, fitted to the corners in turn with the
+/// rest.
 BundleState adjusted_with_residual(const BoardViews& views, BundleState start,
                                    const BoardPlaces& printed, const BundleSettings& settings,
                                    const ResidualDegrees& degrees,

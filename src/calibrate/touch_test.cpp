@@ -1,8 +1,8 @@
 #include "calibrate/touch_test.h"
 
-#include <string>
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include <fmt/format.h>
 

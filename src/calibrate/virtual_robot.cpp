@@ -1,7 +1,7 @@
 #include "calibrate/virtual_robot.h"
 
-#include <cmath>
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "base/throw_if-inl.h"

@@ -162,6 +162,37 @@ TEST_F(PointListsInFiles, MayLackPixels) {
   EXPECT_EQ(read.poses[0].projector[1], Eigen::Vector2d(3, 4));
 }
 
+TEST_F(PointListsInFiles, MayHaveLinesOfOnlyBracketsOrQuotes) {
+  for (const char* const line : {"[\n", "]\n", "\"\"\n", "# []\n"}) {
+    SCOPED_TRACE(line);
+    const std::string text = table("", "pxyuvst", " ");
+    expect_known(read_point_lists(write("points.txt", line + text)));
+    expect_known(read_point_lists(write("points.txt", text + line)));
+  }
+}
+
+TEST_F(PointListsInFiles, KeepLongNumbersOfPosesApart) {
+  const PointLists read =
+      read_point_lists(write("points.csv",
+                             "pose,x,y,u,v,up,vp\n20240101,0,0,1,2,3,4\n20240101,1,0,2,2,4,4\n"
+                             "20240102,0,0,1,2,3,4\n20240102,1,0,2,2,4,4\n"));
+  ASSERT_EQ(read.poses.size(), 2U);
+  EXPECT_EQ(read.poses[0].name, "pose20240101");
+  EXPECT_EQ(read.poses[1].name, "pose20240102");
+}
+
+TEST_F(PointListsInFiles, MayBeHundredsOfArrays) {
+  std::vector<std::pair<std::string, std::string>> files{
+      {"board.npy", npy_of(std::vector<double>{0, 0, 10, 0}, "2, 2")}};
+  for (int pose = 0; pose < 150; ++pose) {
+    files.emplace_back(fmt::format("cam_{}.npy", pose),
+                       npy_of(std::vector<double>{1, 2, 3, 4}, "2, 2"));
+    files.emplace_back(fmt::format("proj_{}.npy", pose),
+                       npy_of(std::vector<double>{5, 6, 7, 8}, "2, 2"));
+  }
+  EXPECT_EQ(read_point_lists(write("points.npz", zip_of(files, false))).poses.size(), 150U);
+}
+
 TEST_F(PointListsInFiles, SayWhatIsMissing) {
   const auto expect_refused = [&](const std::string& text,
                                   std::initializer_list<std::string> parts) {

@@ -66,7 +66,7 @@ void write_scatter(Page& page, const HandEyeScatter& scatter) {
 }
 
 /// The text in YAML's double quotes.
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   std::string escaped;
   for (const char c : text) {
     if (c == '"' || c == '\\') escaped += '\\';
@@ -151,7 +151,7 @@ Page hand_eye_report(const HandEye& found, Wording wording) {
 std::string residuals_yaml(const HandEye& found) {
   std::string text;
   for (const HandEyePose& pose : found.each) {
-    text += fmt::format("- name: {}\n  used: {}\n", quoted(pose.name), pose.used);
+    text += fmt::format("- name: {}\n  used: {}\n", in_quotes(pose.name), pose.used);
 
     const auto add = [&](const char* name, const std::optional<HandEyeError>& error) {
       if (!error) return;
@@ -160,7 +160,7 @@ std::string residuals_yaml(const HandEye& found) {
     };
     add("error", pose.error);
     add("left_out", pose.left_out);
-    if (!pose.reason.empty()) text += fmt::format("  reason: {}\n", quoted(pose.reason));
+    if (!pose.reason.empty()) text += fmt::format("  reason: {}\n", in_quotes(pose.reason));
   }
   return text;
 }

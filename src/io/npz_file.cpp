@@ -184,7 +184,7 @@ std::map<std::string, NumpyArray> arrays_of_npz(NpzBytes bytes, std::uint64_t la
     std::string name(characters_in(part_of(bytes, at + entry_size, name_size)));
     if (name.ends_with(".npy")) name.resize(name.size() - 4);
 
-    // Entries may share packed bytes, so that their sizes count, not that of the file.
+    // Entries may share packed bytes, so their sizes count, not the file's.
     const std::uint64_t size = size_of_file(entry);
     const bool is_small = size <= largest;
     if (is_small) sum += size;

@@ -87,7 +87,7 @@ std::vector<double> row_from(const NamedNumbers& of) {
   for (const auto& [name, number] : of.numbers) row.push_back(number);
 
   // Position, quaternion, axis configuration and external axes of an ABB controller, which have no
-  // names; the first may have that of the pose.
+  // names; the first may have the pose's.
   constexpr std::size_t robtarget = 17;
   if (row.size() == robtarget && of.numbers[1].first.empty()) row.resize(7);
 

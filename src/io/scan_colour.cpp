@@ -46,8 +46,7 @@ Image<ColourLevels> levels_of_colour(const ScanFiles& files, const FrameSet& whi
                                                      .of_colour = {true}});
     const std::string path = files.colour.front().string();
     throw_if(loaded.lossy > 0,
-             "{}: `colour` is a JPEG, of which only the brightness is read; use PNG, TIFF or BMP",
-             path);
+             "{}: `colour` is a JPEG, whose colours are not read; use PNG, TIFF or BMP", path);
     throw_if(loaded.colour.empty(),
              "{}: `colour` is a grey picture; name one in colour, or three in red, green and blue "
              "light",

@@ -371,8 +371,8 @@ void describe_links(const std::vector<PreparedView>& views, const JointSettings&
   });
 }
 
-/// Lists the pairs that do not fit at the joint poses: of the links, and of those that were
-/// refused, which may have been for other poses.
+/// Lists the pairs that do not fit at the joint poses: links, and pairs that were refused,
+/// which may have been for other poses.
 void find_misfits(const std::vector<PreparedView>& views, const JointSettings& settings,
                   JointAlignment& joint) {
   const auto is_misfit = [](const ViewLink& link) {

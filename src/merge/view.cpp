@@ -127,7 +127,7 @@ Eigen::Vector3f axis_of(std::span<const Eigen::Vector3f> points) {
   return axis.normalized();
 }
 
-/// Indices of the points in the cone of what a camera at the origin sees.
+/// Indices of the points in the cone that a camera at the origin sees.
 std::vector<std::uint32_t> points_in_cone(std::span<const Eigen::Vector3f> points) {
   constexpr float widest = 0.3F;  // cosine of the angle from the axis
 

@@ -32,7 +32,7 @@ struct View {
 
 /// A view of a cloud. `uncertainty`: of the cloud; null: the noise is estimated. `colours`: of each
 /// pixel, or null. Leaves out points at the origin, points without enough neighbours for a normal,
-/// and up to 1 % of strays outside the cone of what a camera at the origin sees. Throws Error for
+/// and up to 1 % of strays outside the cone that a camera at the origin sees. Throws Error for
 /// fewer than 100 points.
 View view_of(const Cloud& cloud, const Uncertainty* uncertainty = nullptr, std::string name = {},
              const Image<Colour>* colours = nullptr);

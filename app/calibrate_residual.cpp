@@ -1,7 +1,9 @@
 #include "app/calibrate_residual.h"
 
+#include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "app/scan_flags.h"
 #include "base/numbers.h"
@@ -18,7 +20,7 @@ struct CalibrateResidualFlags {
   CloudFlags input;
 };
 
-/// The medians of all blocks without the map and with it, side by side, in the same colours.
+/// The medians of all blocks before and after the map, side by side, in the same colours.
 Image<double> side_by_side(const Image<float>& left, const Image<float>& right) {
   const Size size = left.size();
   Image<double> both({2 * size.width + 1, size.height}, nan);
@@ -27,6 +29,16 @@ Image<double> side_by_side(const Image<float>& left, const Image<float>& right) 
     both(size.width + 1 + column, row) = right(column, row);
   });
   return both;
+}
+
+/// Lists all findings. Warns of the reconstruction's: the check's are printed already.
+void tell_findings(const std::string& scan, const CheckedJob& job, const ScanResult& result,
+                   Output& output) {
+  const std::vector<Finding>& findings = result.checked.findings;
+  output.document["findings"] = findings;
+  for (std::size_t i = job.checked.findings.size(); i < findings.size(); ++i) {
+    output.warn(fmt::format("{}: {}", scan, text_of(findings[i])));
+  }
 }
 
 void calibrate_residual(const CalibrateResidualFlags& flags, Output& output) {
@@ -38,14 +50,15 @@ void calibrate_residual(const CalibrateResidualFlags& flags, Output& output) {
            flags.scan);
   const CheckedJob job = checked_scan(std::move(scan), flags.scan, settings, output);
   const ScanResult result = ScanJob(settings)(job, flags.scan);
+  tell_findings(flags.scan, job, result, output);
 
   // 2. The map that held-out parts of the picture support.
   const Scanner& scanner = result.setup.scanner;
   const EpipolarResidual found =
       epipolar_residual(scanner, result.cloud, result.maps.epipolar_distance);
 
-  output.document =
-      described("scanner", flags.output, "degree", found.degree, "blocks", found.blocks);
+  output.document.update(
+      described("scanner", flags.output, "degree", found.degree, "blocks", found.blocks));
   for (const EpipolarScore& score : found.scores) {
     const std::string map =
         score.degree > 0 ? fmt::format("a map of degree {}", score.degree) : "no map";
@@ -53,14 +66,16 @@ void calibrate_residual(const CalibrateResidualFlags& flags, Output& output) {
     output.add_to("maps", "degree", score.degree, "left_out_px", score.deviation);
   }
 
-  // 3. The scanner file and the picture.
+  // 3. The picture, whose name may be refused, then the scanner file.
+  if (flags.picture) {
+    write_map_preview(*flags.picture, side_by_side(found.before, found.after), "px");
+    output.document["picture"] = *flags.picture;
+    output.say("distances of all blocks, before and after: {}", *flags.picture);
+  }
+
   replace_geometry(flags.output, found.scanner);
   output.say("scanner file with the map of degree {}, of {} blocks: {}", found.degree, found.blocks,
              flags.output);
-  if (!flags.picture) return;
-  write_map_preview(*flags.picture, side_by_side(found.before, found.after), "px");
-  output.document["picture"] = *flags.picture;
-  output.say("distances of all blocks, before and after: {}", *flags.picture);
 }
 
 }  // namespace

@@ -107,6 +107,7 @@ ExposureLimits limits_of(const CaptureFlags& flags, Output& output) {
     if (flicker > 0) output.say("the room's light flickers: {:.4g} ms", flicker);
     const double refresh = rig.projector.refresh_hz > 0 ? 1e3 / rig.projector.refresh_hz : 0;
     limits.flicker_period = common_period(refresh, flicker);
+    limits.refresh_period = refresh;
     output.document["flicker_ms"] = flicker;
   }
 

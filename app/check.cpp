@@ -141,7 +141,7 @@ std::vector<MeasuredPoint> points_of(const Measuring& in, const std::string& tex
   return points_in(in.stored.cloud, uncertainty_of(in.stored), *rectangle);
 }
 
-std::string text_of(const Eigen::Vector3d& vector) {
+std::string coordinates_of(const Eigen::Vector3d& vector) {
   return fmt::format("{:.3f}, {:.3f}, {:.3f}", vector.x(), vector.y(), vector.z());
 }
 
@@ -150,8 +150,8 @@ void measure_point(const std::string& pixel, const Measuring& in) {
   const Eigen::Vector3d position = in.place(point.position);
   const std::optional<Eigen::Vector3d> sigma = in.sigma(point);
   in.output.add_to("points", "pixel", pixel, "position_mm", position, "sigma_mm", sigma);
-  in.output.say("point {}: {} mm{}", pixel, text_of(position),
-                sigma ? fmt::format(", sigma {} mm", text_of(*sigma)) : "");
+  in.output.say("point {}: {} mm{}", pixel, coordinates_of(position),
+                sigma ? fmt::format(", sigma {} mm", coordinates_of(*sigma)) : "");
 }
 
 void measure_distance(const std::pair<std::string, std::string>& pixels, const Measuring& in) {
@@ -179,8 +179,8 @@ void tell_fit(const char* list, nlohmann::json entry, const Residuals& residuals
 void measure_plane(const std::string& rectangle, const Measuring& in) {
   const FittedPlane plane = fit_plane(points_of(in, rectangle));
   const Eigen::Vector3d centre = in.place(plane.centre), normal = in.direction(plane.normal);
-  in.output.say("plane in {}: through {} mm, normal {}", rectangle, text_of(centre),
-                text_of(normal));
+  in.output.say("plane in {}: through {} mm, normal {}", rectangle, coordinates_of(centre),
+                coordinates_of(normal));
   tell_fit("planes", described("rectangle", rectangle, "centre_mm", centre, "normal", normal),
            plane.residuals, in.output);
 }
@@ -189,7 +189,7 @@ void measure_sphere(const std::string& rectangle, const Measuring& in) {
   const FittedSphere sphere = fit_sphere(points_of(in, rectangle));
   const Eigen::Vector3d centre = in.place(sphere.centre);
   in.output.say("sphere in {}: radius {:.4f} mm, sigma {:.4f} mm, centre {} mm", rectangle,
-                sphere.radius, sphere.radius_sigma, text_of(centre));
+                sphere.radius, sphere.radius_sigma, coordinates_of(centre));
   tell_fit("spheres",
            described("rectangle", rectangle, "centre_mm", centre, "radius_mm", sphere.radius,
                      "radius_sigma_mm", sphere.radius_sigma),

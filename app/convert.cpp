@@ -274,7 +274,6 @@ class CloudFiles {
     if (frame_) {
       move_to_frame(stored.cloud, *frame_, stored.uncertainty ? &*stored.uncertainty : nullptr);
     }
-    const FramePose* const moved = stored.cloud.frame.get();
 
     // Channels are declared with the first cloud.
     if (!writer_) {
@@ -289,19 +288,28 @@ class CloudFiles {
       writer_->write(image_, last_, message_);
     }
 
-    // Where the camera is, once.
-    if (moved != nullptr && !std::exchange(has_transform_, true)) {
-      const RosType transform = transform_type();
-      write_transform(*moved, camera_frame, last_, message_);
-      writer_->write(writer_->add_channel(fmt::format("/{}", transform_topic), transform.name,
-                                          transform.definition),
-                     last_, message_);
-    }
+    add_transform(stored.cloud.frame);
 
     write_point_cloud(stored.cloud, {last_, frame_name(stored.cloud)}, message_,
                       uncertainty_of(stored));
     writer_->write(points_, last_, message_);
     writer_->end_message_group();
+  }
+
+  /// Writes where the camera is in the frame, unless it is known already; null: the camera's.
+  void add_transform(const std::shared_ptr<const FramePose>& frame) {
+    const bool is_known = told_ != nullptr && frame != nullptr && told_->to == frame->to &&
+                          told_->transform.matrix() == frame->transform.matrix();
+    if (frame == nullptr || is_known) return;
+
+    if (!transform_) {
+      const RosType type = transform_type();
+      transform_ =
+          writer_->add_channel(fmt::format("/{}", transform_topic), type.name, type.definition);
+    }
+    write_transform(*frame, camera_frame, last_, message_);
+    writer_->write(*transform_, last_, message_);
+    told_ = frame;
   }
 
   void add_file(const StoredCloud& stored, const ScanName& name) {
@@ -317,7 +325,8 @@ class CloudFiles {
   std::uint64_t count_ = 0, last_ = 0;
   std::optional<McapWriter> writer_;
   std::uint16_t points_ = 0, image_ = 0;
-  bool has_transform_ = false;
+  std::optional<std::uint16_t> transform_;  ///< channel
+  std::shared_ptr<const FramePose> told_;   ///< the last one written
   RosMessage message_;
   std::set<std::string> written_;
 };

@@ -41,9 +41,8 @@ EyePlace eye_place_named(std::string_view name) {
 
 const char* const convention_help =
     "known parts of the robot's convention; the rest is found: a robot (abb, doosan, fanuc, "
-    "franka, "
-    "kawasaki, "
-    "kuka, ur, yaskawa) or parts such as 'intrinsic zyx in degrees, mm, tool to base'";
+    "franka, kawasaki, kuka, ur, yaskawa) or parts such as 'intrinsic zyx in degrees, mm, tool to "
+    "base'";
 const char* const columns_help =
     "names of the file's columns if it has none, e.g. name,x,y,z,rx,ry,rz; - ignores one";
 
@@ -63,8 +62,7 @@ PoseTable with_missing(const PoseTable& found, const std::vector<std::string>& m
 
   PoseTable all;
   for (const auto& [name, row] : rows) all.names.push_back(name);
-  std::ranges::sort(
-      all.names, [](const std::string& a, const std::string& b) { return before_in_order(a, b); });
+  std::ranges::sort(all.names, before_in_order);
   for (const std::string& name : all.names) all.rows.push_back(rows[name]);
   return all;
 }
@@ -134,14 +132,10 @@ nlohmann::json json_of(const std::optional<HandEyeError>& error) {
 
 nlohmann::json document_of(const HandEye& found) {
   const auto vector = [](const Eigen::Vector3d& of) { return std::array{of.x(), of.y(), of.z()}; };
-  std::vector<std::array<double, 4>> matrix;
-  for (int row = 0; row < 4; ++row) {
-    const Eigen::RowVector4d of = found.poses.camera.matrix().row(row);
-    matrix.push_back({of[0], of[1], of[2], of[3]});
-  }
+  const FramePose camera{"camera", carrier_of_camera(found.place), found.poses.camera};
 
   nlohmann::json document = described(
-      "from", "camera", "to", carrier_of_camera(found.place), "matrix", matrix,
+      "from", camera.from, "to", camera.to, "matrix", app::json_of(camera)["matrix_mm"],
       "translation_deviation_mm", vector(found.translation_deviation), "rotation_deviation_degrees",
       vector(found.rotation_deviation / degree), "robot_convention",
       name_of(found.robot, robot_frames), "board_convention", name_of(found.boards, board_frames),
@@ -208,7 +202,7 @@ struct RobotPoseFlags {
 void add_robot_pose_flags(const FlagGroup& command, RobotPoseFlags& flags) {
   required(command.add("--robot-convention", flags.robot_convention,
                        "convention of the robot's poses, as `calibrate hand-eye` prints it"));
-  command.add("--columns", flags.columns, columns_help);
+  command.add("--table-columns", flags.columns, columns_help);
 }
 
 /// The poses, tool to base, of a file whose convention is known.
@@ -252,10 +246,14 @@ void test_touch(const TouchFlags& flags, Output& output) {
   }
 
   // 2. The points by both.
-  std::vector<Eigen::Vector3d> points;
-  for (const StoredPoint& point : read_points(flags.points).points) {
-    points.emplace_back(point.x, point.y, point.z);
+  const StoredPoints stored = read_points(flags.points);
+  if (stored.frame) {
+    throw Error(fmt::format("{}: its points are in the frame {}; give them in the camera's",
+                            flags.points, stored.frame->to));
   }
+
+  std::vector<Eigen::Vector3d> points;
+  for (const StoredPoint& point : stored.points) points.emplace_back(point.x, point.y, point.z);
   const TouchTest test = touch_test(points, camera, read_robot_poses(flags.touched, flags.robot),
                                     {tip[0], tip[1], tip[2]});
 
@@ -264,8 +262,11 @@ void test_touch(const TouchFlags& flags, Output& output) {
     const Eigen::Vector3d& of = test.differences[i];
     output.list("differences_mm").push_back(std::array{of.x(), of.y(), of.z()});
   }
-  output.say("mean: {} in the base, standard error {:.3f} mm", signed_text_of(test.mean),
-             test.standard_error.norm());
+  const std::string error =
+      test.standard_error.allFinite()
+          ? fmt::format(", standard error {:.3f} mm", test.standard_error.norm())
+          : "";
+  output.say("mean: {} in the base{}", signed_text_of(test.mean), error);
 
   const Verdict verdict = verdict_of(test, flags.tolerance);
   output.say("{}", verdict.words);
@@ -415,7 +416,7 @@ void add_calibrate_hand_eye(const Commands& calibrate) {
   command.add("--robot-convention", flags.robot_convention, convention_help);
   command.add("--board-convention", flags.board_convention,
               "the same for the boards' poses, with 'board to camera' or 'camera to board'");
-  command.add("--columns", flags.columns, columns_help);
+  command.add("--table-columns", flags.columns, columns_help);
   command.add_file("--scanner", flags.scanner, "scanner file, for boards in scans or pictures");
 
   add_board_flags(command.app, flags.board);

@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t indent = 26;  ///< column at which descriptions start
 
 /// Columns of the terminal, 60 to 120; 100 for a file or a pipe.
-std::size_t text_width() {
+std::size_t line_length() {
   winsize size{};
   if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return 100;
   return std::clamp<std::size_t>(size.ws_col, 60, 120);
@@ -45,7 +45,7 @@ std::string wrapped(const std::string& text, std::size_t margin, std::string_vie
   std::string lines;
   std::size_t column = margin;
   for (const std::string& word : pieces) {
-    if (column > margin && column + 1 + word.size() + ending.size() > text_width()) {
+    if (column > margin && column + 1 + word.size() + ending.size() > line_length()) {
       lines += fmt::format("{}\n{:{}}", ending, "", margin);
       column = margin;
     }

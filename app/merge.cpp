@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -56,13 +57,9 @@ void scale(StoredCloud& stored, double unit) {
   }
 }
 
-/// The colours of a cloud that has them; null without.
-template <class AnyCloud>
-const Image<Colour>* colours_of(const AnyCloud& cloud) {
-  if constexpr (requires { cloud.colour.empty(); }) {
-    if (!cloud.colour.empty()) return &cloud.colour;
-  }
-  return nullptr;
+/// The colours of a cloud; null if it has none.
+const Image<Colour>* colours_of(const Cloud& cloud) {
+  return cloud.colour.empty() ? nullptr : &cloud.colour;
 }
 
 /// Diagonal of the box around a view, mm.
@@ -82,6 +79,17 @@ void require_one_unit(const std::vector<View>& views) {
            largest->name, extent_of(*largest), least->name, extent_of(*least));
 }
 
+/// Points much closer than those of the views tell nothing more, and cost memory without a bound.
+void require_coarse_enough(const MergeFlags& flags, const std::vector<View>& views) {
+  constexpr double finest = 0.25;  // spacings of the views
+
+  float least = views.front().spacing;
+  for (const View& view : views) least = std::min(least, view.spacing);
+  throw_if(flags.spacing > 0 && flags.spacing < finest * least,
+           "--spacing {} mm: the views' points are {:.3g} mm apart; use {:.3g} or more",
+           flags.spacing, least, finest * least);
+}
+
 std::vector<View> read_views(const MergeFlags& flags, Output& output) {
   const double unit = millimetres_of(flags.unit);
   std::vector<View> views;
@@ -90,7 +98,8 @@ std::vector<View> read_views(const MergeFlags& flags, Output& output) {
   for (const std::string& path : flags.inputs) {
     StoredCloud stored;
     if (is_cloud_file(path)) {
-      stored = loaded_cloud(path, output);
+      stored = loaded_cloud(path, output, unit);
+      move_to_camera(stored.cloud, stored.uncertainty ? &*stored.uncertainty : nullptr);
       scale(stored, unit);
     } else {
       stored = organised_cloud(path, flags.input, output);
@@ -102,6 +111,7 @@ std::vector<View> read_views(const MergeFlags& flags, Output& output) {
   }
 
   require_one_unit(views);
+  require_coarse_enough(flags, views);
 
   // Most programs of other fields write metres.
   constexpr float smallest = 5;
@@ -127,6 +137,13 @@ std::vector<const ListedPose*> matched(const std::vector<ListedPose>& listed,
         poses[i] = &pose;
         ++found;
       }
+    }
+  }
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    for (std::size_t k = i + 1; k < inputs.size(); ++k) {
+      throw_if(poses[i] != nullptr && poses[i] == poses[k],
+               "its pose of {} is for two views, {} and {}; name them as they are given",
+               poses[i]->name, inputs[i], inputs[k]);
     }
   }
   if (found > 0) return poses;
@@ -196,15 +213,22 @@ void tell_joint(const MergeFlags& flags, const JointAlignment& joint, Output& ou
         "(noise: {:.3f} mm)",
         flags.inputs[link.first], flags.inputs[link.second], 100 * fit.overlap, fit.median,
         fit.percentile_95, fit.noise);
+    std::optional<std::string> reason;
+    if (!fit.joined()) reason = fit.reason;
     output.add_to("pairs", "first", flags.inputs[link.first], "second", flags.inputs[link.second],
                   "overlap", fit.overlap, "median_mm", fit.median, "p95_mm", fit.percentile_95,
                   "rms_mm", fit.rms, "noise_mm", fit.noise, "uncertain_mm", fit.weakest_sigma,
-                  "loop_error_mm", link.loop_error, "closes_loop", link.closes_loop);
+                  "loop_error_mm", link.loop_error, "closes_loop", link.closes_loop, "reason",
+                  reason);
   }
   output.list("refused");
   for (const ViewLink& link : joint.refused) {
     output.add_to("refused", "first", flags.inputs[link.first], "second", flags.inputs[link.second],
                   "refusal", name_of(link.alignment.refusal), "reason", link.alignment.reason);
+  }
+  for (const ViewLink& link : joint.misfits) {
+    output.warn(fmt::format("{} and {} do not fit at the joint poses: {}", flags.inputs[link.first],
+                            flags.inputs[link.second], link.alignment.reason));
   }
 
   if (joint.loop_error) {
@@ -271,14 +295,35 @@ void settle_on_turntable(const MergeFlags& flags, const std::vector<PreparedView
   for (std::size_t i = 0; i < views.size(); ++i) joint.poses[i] = fit.poses[i];
 }
 
+/// The wanted frame, in which the first joined view's camera has the given pose; null: the model
+/// stays in that camera's frame.
+std::shared_ptr<const FramePose> frame_of_model(const MergeFlags& flags) {
+  const auto& wanted = wanted_frame(flags.input.settings);
+  if (wanted == nullptr) return nullptr;
+  return std::make_shared<const FramePose>(pose_from_frame(*wanted, camera_frame));
+}
+
+/// The surface of --mesh; throws Error if it has no triangles.
+Surface surface_of_model(const MergeFlags& flags, const FusedModel& model) {
+  Surface surface = surface_of(mesh_of(model));
+  throw_if(surface.triangles.empty(),
+           "{}: the model's points, {:.3g} mm apart, are too few to make a mesh of", flags.mesh,
+           model.spacing);
+  return surface;
+}
+
 void write_outputs(const MergeFlags& flags, const JointAlignment& joint, const FusedModel& model,
                    Output& output) {
+  // The surface first: without one, nothing is written.
+  Surface surface;
+  if (!flags.mesh.empty()) surface = surface_of_model(flags, model);
+
   if (!flags.output.empty()) {
     write_model(flags.output, model);
     output.add_file("model", flags.output);
   }
   if (!flags.mesh.empty()) {
-    write_surface(flags.mesh, surface_of(mesh_of(model)));
+    write_surface(flags.mesh, surface);
     output.add_file("mesh", flags.mesh);
   }
   if (!flags.poses.empty()) {
@@ -286,7 +331,7 @@ void write_outputs(const MergeFlags& flags, const JointAlignment& joint, const F
     for (std::size_t i = 0; i < flags.inputs.size(); ++i) {
       if (joint.poses[i]) poses.emplace_back(flags.inputs[i], *joint.poses[i]);
     }
-    write_pose_list(flags.poses, poses);
+    write_pose_list(flags.poses, poses, millimetres_of(flags.unit));
     output.add_file("poses", flags.poses);
   }
   if (!flags.report.empty()) {
@@ -300,6 +345,7 @@ void merge(const MergeFlags& flags, Output& output) {
            flags.inputs.size());
   if (!flags.output.empty()) require_model_ending(flags.output);
   if (!flags.mesh.empty()) require_mesh_ending(flags.mesh);
+  const auto frame = frame_of_model(flags);
   Stopwatch watch;
 
   // 1. The views.
@@ -317,7 +363,11 @@ void merge(const MergeFlags& flags, Output& output) {
   if (flags.turntable && joint.joined() == views.size()) {
     settle_on_turntable(flags, views, joint, output);
   } else if (flags.turntable) {
-    output.warn("the turntable's axis is not sought, since not all views join");
+    output.warn("skipped the turntable: not all views join");
+  }
+
+  for (auto& pose : joint.poses) {
+    if (pose && frame) pose = frame->transform * *pose;
   }
   tell_joint(flags, joint, output);
   refuse_left_out(flags, joint, output);
@@ -325,7 +375,8 @@ void merge(const MergeFlags& flags, Output& output) {
   // 3. The model.
   std::vector<const View*> sources;
   for (const PreparedView& view : views) sources.push_back(&view.view());
-  const FusedModel model = fuse(sources, joint.poses, static_cast<float>(flags.spacing));
+  FusedModel model = fuse(sources, joint.poses, static_cast<float>(flags.spacing));
+  model.frame = frame;
 
   std::vector<double> sigmas, disagreements;
   for (const ModelPoint& point : model.points) {
@@ -364,7 +415,7 @@ void add_merge(const Commands& program) {
       "--start", flags.start,
       "poses to start from: a line for each view with its name, x y z and a quaternion, "
       "or a matrix; optional");
-  command.add("--unit", flags.unit, "unit of the clouds and of --start: mm, cm or m");
+  command.add("--unit", flags.unit, "unit of the clouds, --start and --poses: mm, cm or m");
   command.add("--spacing", flags.spacing, "distance of the model's points, mm; 0: as in the views")
       ->check([](const std::string& text) {
         const double spacing = std::strtod(text.c_str(), nullptr);
@@ -380,12 +431,21 @@ void add_merge(const Commands& program) {
       ->needs("--turntable");
 
   add_cloud_flags(command.app, flags.input);
+  command.app.get_option("--anyway")
+      ->description(
+          "merge the other views if some do not join, and continue with scans that the "
+          "check refuses");
+  command.app.get_option("--to-frame")
+      ->description(
+          "pose file of the first view's camera: the model is in its frame, and so is --box of "
+          "each scan");
   command.common({"--output", "--mesh", "--poses", "--report", "--start", "--unit"});
   command.examples(
       {"merge view1.ply view2.ply view3.ply -o model.ply --report merge.html",
        "merge scan1 scan2 --mesh model.stl --poses poses.txt"},
       "Finds the poses by itself. Refuses views that fit in more than one way, such as "
-      "planes and spheres. The model is in the frame of the first view.");
+      "planes and spheres. The model is in the frame of the first view that joins, or of "
+      "--to-frame.");
 }
 
 }  // namespace slipstream::app

@@ -155,7 +155,7 @@ void write_merge_report(const std::string& path, const std::vector<std::string>&
 
   add_pairs(names, joint, page);
   add_pictures(model, page);
-  write_page(path, page);
+  write_page(path, page, PageFiles::page_alone);
 }
 
 }  // namespace slipstream::app

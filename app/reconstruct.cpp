@@ -66,7 +66,10 @@ void write_files(const ReconstructFlags& flags, const ReconstructedScan& scan) {
   std::optional<Uncertainty> uncertainty = result.uncertainty;
   const auto thin = [&](auto&... images) { ((images = subsampled(images, flags.subsample)), ...); };
   if (normals) thin(normals->x, normals->y, normals->z);
-  if (uncertainty) thin(uncertainty->coordinate, uncertainty->x, uncertainty->y, uncertainty->z);
+  if (uncertainty) {
+    thin(uncertainty->coordinate, uncertainty->x, uncertainty->y, uncertainty->z,
+         uncertainty->z_of_noise);
+  }
 
   std::optional<Cloud> coarse;
   if (flags.subsample > 1) coarse = subsampled(result.cloud, flags.subsample);

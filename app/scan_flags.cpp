@@ -298,14 +298,15 @@ void tell_guard(const EpipolarCheck& guard, const std::string& prefix, Output& o
       prefix, guard.points, guard.common, guard.own);
 }
 
-StoredCloud loaded_cloud(const std::string& path, Output& output) {
+StoredCloud loaded_cloud(const std::string& path, Output& output, double unit) {
   constexpr double harmless = 0.001;  // mm
   StoredCloud stored = read_cloud(path);
-  if (stored.rounding > harmless) {
+  const double rounding = unit * stored.rounding;
+  if (rounding > harmless) {
     output.warn(
         fmt::format("{}: its coordinates are rounded to 32 bits, by up to {:.2g} mm; subtract a "
                     "common offset from them first",
-                    path, stored.rounding));
+                    path, rounding));
   }
   return stored;
 }

@@ -97,8 +97,9 @@ CheckedJob checked_scan(Scan scan, const std::string& name, const ScanJobSetting
 /// Prints how well a scan and its guard meet, after `prefix`.
 void tell_guard(const EpipolarCheck& guard, const std::string& prefix, Output& output);
 
-/// read_cloud; warns if rounding to 32 bits moves points by more than a micrometre.
-StoredCloud loaded_cloud(const std::string& path, Output& output);
+/// read_cloud; warns if rounding to 32 bits moves points by more than a micrometre. `unit`: mm of
+/// the file's unit of length.
+StoredCloud loaded_cloud(const std::string& path, Output& output, double unit = 1);
 
 inline const Uncertainty* uncertainty_of(const StoredCloud& stored) {
   return stored.uncertainty ? &*stored.uncertainty : nullptr;

@@ -156,7 +156,7 @@ struct Uncertainty {
 
   Image<float> coordinate;  ///< of the projector coordinate, fields
   Image<float> x, y, z;     ///< mm
-  Image<float> z_of_noise;  ///< of depth, mm, by noise alone; equals z away from edges
+  Image<float> z_of_noise;  ///< of depth, mm, by noise alone
 
  private:
   static constexpr float nan = std::numeric_limits<float>::quiet_NaN();

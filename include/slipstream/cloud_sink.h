@@ -97,7 +97,8 @@ class DisjointCloudSink : public CloudSink {
   std::optional<std::uint64_t> last_;  ///< number of the newest frame of the last cloud taken
 };
 
-/// The available sinks: "web:[ADDRESS:]PORT, mcap:FILE, ros2:NAMESPACE, genicam:ADDRESS".
+/// The available sinks: "web:[ADDRESS:]PORT, tcp:[ADDRESS:]PORT, mcap:FILE, ros2:NAMESPACE,
+/// genicam:ADDRESS".
 std::string sink_forms();
 
 /// Throws Error, listing the available forms, if `name` is invalid.

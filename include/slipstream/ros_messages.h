@@ -48,7 +48,8 @@ struct CloudTopic {
   void (*write)(const PublishedCloud& published, RosMessage& message);
 };
 
-/// "image": the cloud's colours as rgb8, or its intensity as mono8; without a scanner, the window's first frame.
+/// "image": the cloud's colours as rgb8, or its intensity as mono8; without a scanner, the window's
+/// first frame.
 CloudTopic image_topic();
 /// "points": write_point_cloud in the run's frame, with the uncertainty, if known and if not sent
 /// `alone`. The other topics are the camera's.
@@ -62,8 +63,8 @@ CloudTopic camera_info_topic();
 
 /// sensor_msgs/msg/PointCloud2 of 32-bit floats, organised like the camera's pixels: x, y, z in
 /// metres (the cloud's millimetres divided by 1000), NaN if invalid; intensity in grey levels of
-/// 255; with uncertainty also sigma_coordinate, sigma_x, sigma_y and sigma_z; with colours also rgb,
-/// a float of the bytes blue, green, red and 0.
+/// 255; with uncertainty also sigma_coordinate, sigma_x, sigma_y and sigma_z; with colours also
+/// rgb, a float of the bytes blue, green, red and 0.
 void write_point_cloud(const Cloud& cloud, const RosHeader& header, RosMessage& message,
                        const Uncertainty* uncertainty = nullptr);
 
@@ -74,7 +75,7 @@ void write_image(const Cloud& cloud, const RosHeader& header, RosMessage& messag
 
 /// Reads the fields of write_point_cloud from any PointCloud2, converted to mm, with the name of
 /// its frame, as if that had the camera at its origin. Throws Error, without a file name, if it is
-/// not a PointCloud2, has no 32-bit float x, y, z, or is not little- endian.
+/// not a PointCloud2, has no 32-bit float x, y, z, or is not little-endian.
 StoredCloud read_point_cloud(std::span<const std::uint8_t> message);
 /// The frame of an Image with this bit depth, without its timestamp. Throws Error without a file
 /// name.

@@ -40,7 +40,8 @@ struct ScanFiles {
   std::vector<std::filesystem::path> frames{};  ///< pictures or pages; empty for a recording
   std::vector<int> order{};  ///< frame index of each pattern; empty: in stored order
 
-  /// Of raw pictures of a colour camera, the colours of the first two pixels, e.g. "RG"; else empty.
+  /// Of raw pictures of a colour camera, the colours of the first two pixels, e.g. "RG"; else
+  /// empty.
   std::string mosaic{};
   /// Colours of the points: a colour picture, or three grey ones under red, green and blue light.
   /// Empty: the mean of the frames, if these are in colour.

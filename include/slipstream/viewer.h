@@ -173,7 +173,8 @@ struct ViewSource {
 /// A static cloud, with its uncertainty if known.
 ViewSource still_source(Cloud cloud, std::optional<Uncertainty> uncertainty = std::nullopt);
 
-/// Frames, reconstructed again for each setup, with the colours of their pixels; the caller adds `save`. Throws Error like Engine.
+/// Frames, reconstructed again for each setup, with the colours of their pixels; the caller adds
+/// `save`. Throws Error like Engine.
 ViewSource still_source(FrameSet frames, const EngineSetup& setup, Image<Colour> colour = {});
 
 /// The clouds of a running pipeline, which must outlive the source; `setup`: the initial one.

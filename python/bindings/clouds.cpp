@@ -1,8 +1,8 @@
 #include "python/bindings/clouds.h"
 
-#include <cstdint>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>

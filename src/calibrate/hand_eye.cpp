@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <map>
+#include <set>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <Eigen/QR>
 #include <fmt/ranges.h>
@@ -213,9 +217,35 @@ std::vector<Finding> findings_of_direction(const HandEye& result, const HandEyeS
                                      on_tool ? "to-hand" : "in-hand")}}}};
 }
 
+/// A finding about rows without a partner, by their names.
+Finding unmatched_finding(const std::vector<std::string>& names, const char* one, const char* many,
+                          const char* partner) {
+  constexpr std::size_t most = 5;
+  const std::size_t shown = std::min(names.size(), most);
+  const std::vector<std::string> first(names.begin(),
+                                       names.begin() + static_cast<std::ptrdiff_t>(shown));
+  return {.kind = FindingKind::other,
+          .what = fmt::format("{} {} no {} of the same name: {}{}", names.size(),
+                              names.size() == 1 ? one : many, partner, fmt::join(first, ", "),
+                              names.size() > shown ? ", ..." : ""),
+          .remedies = {{"correct the names if they belong together, and calibrate again"}}};
+}
+
+std::vector<Finding> findings_of_names(const UnmatchedNames& names) {
+  std::vector<Finding> findings;
+  if (!names.robot.empty()) {
+    findings.push_back(
+        unmatched_finding(names.robot, "robot pose has", "robot poses have", "board"));
+  }
+  if (!names.boards.empty()) {
+    findings.push_back(unmatched_finding(names.boards, "board has", "boards have", "robot pose"));
+  }
+  return findings;
+}
+
 }  // namespace
 
-void match_moments(PoseTable& robot, PoseTable& boards) {
+UnmatchedNames match_moments(PoseTable& robot, PoseTable& boards) {
   for (PoseTable* table : {&robot, &boards}) {
     throw_if(table->rows.empty(), "a list of poses is empty");
   }
@@ -230,7 +260,7 @@ void match_moments(PoseTable& robot, PoseTable& boards) {
       robot.names.push_back(std::to_string(i + 1));
     }
     boards.names = robot.names;
-    return;
+    return {};
   }
 
   // 2. By name.
@@ -239,10 +269,15 @@ void match_moments(PoseTable& robot, PoseTable& boards) {
     boards_by_name[boards.names[i]] = boards.rows[i];
   }
 
+  UnmatchedNames unmatched;
   PoseTable shared_robot, shared_boards;
   for (std::size_t i = 0; i < robot.rows.size(); ++i) {
     const auto board = boards_by_name.find(robot.names[i]);
-    if (board == boards_by_name.end()) continue;
+    if (board == boards_by_name.end()) {
+      unmatched.robot.push_back(robot.names[i]);
+      continue;
+    }
+
     shared_robot.names.push_back(robot.names[i]);
     shared_robot.rows.push_back(robot.rows[i]);
     shared_boards.rows.push_back(board->second);
@@ -251,13 +286,19 @@ void match_moments(PoseTable& robot, PoseTable& boards) {
            "robot poses and boards have no name in common: {} and {}, for example",
            robot.names.front(), boards.names.front());
 
+  const std::set<std::string> of_robot(robot.names.begin(), robot.names.end());
+  for (const std::string& name : boards.names) {
+    if (!of_robot.contains(name)) unmatched.boards.push_back(name);
+  }
+
   shared_boards.names = shared_robot.names;
   robot = std::move(shared_robot);
   boards = std::move(shared_boards);
+  return unmatched;
 }
 
 HandEye calibrate_hand_eye(PoseTable robot, PoseTable boards, const HandEyeSettings& settings) {
-  match_moments(robot, boards);
+  const UnmatchedNames unmatched = match_moments(robot, boards);
   throw_if(robot.rows.size() > most_hand_eye_poses, "{} poses; at most {} are calibrated with",
            robot.rows.size(), most_hand_eye_poses);
 
@@ -309,10 +350,10 @@ HandEye calibrate_hand_eye(PoseTable robot, PoseTable boards, const HandEyeSetti
 
   // 4. What to know about them.
   result.findings = findings_of(result, pairs.size());
-  const std::vector<Finding> of_motion = findings_of_motion(turn_spread(pairs));
-  const std::vector<Finding> of_direction = findings_of_direction(result, settings);
-  for (const auto* more : {&of_motion, &of_direction}) {
-    result.findings.insert(result.findings.end(), more->begin(), more->end());
+  for (const std::vector<Finding>& more :
+       {findings_of_motion(turn_spread(pairs)), findings_of_direction(result, settings),
+        findings_of_names(unmatched)}) {
+    result.findings.insert(result.findings.end(), more.begin(), more.end());
   }
   return result;
 }

@@ -57,9 +57,15 @@ struct HandEye {
 /// Most poses of a calibration.
 inline constexpr std::size_t most_hand_eye_poses = 1000;
 
-/// The rows of both tables that belong together: by name if both have names, otherwise by order.
-/// Throws Error if they are not as many, or share no names.
-void match_moments(PoseTable& robot, PoseTable& boards);
+/// Names that only one of two tables has.
+struct UnmatchedNames {
+  std::vector<std::string> robot, boards;
+};
+
+/// Keeps the rows of both tables that belong together: by name if both have names, otherwise by
+/// order. Returns the names of the others. Throws Error if the tables without names are not of one
+/// length, or names have none in common.
+UnmatchedNames match_moments(PoseTable& robot, PoseTable& boards);
 
 /// Finds the camera on a robot's tool, or beside the robot, from poses of the robot and, at the
 /// same moments, of a board. Finds the conventions of both tables, leaves out poses that contradict

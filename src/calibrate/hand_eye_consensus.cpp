@@ -92,6 +92,21 @@ bool matters(const HandEyeError& error) {
   return error.translation > 0.3 || error.rotation > 0.05 * degree;  // mm, rad
 }
 
+/// Poses whose squares are above the limit and nearly as large as the worst: of many, one alone in
+/// each round would take long.
+std::vector<std::size_t> odd_poses(const LeftOut& left_out, double limit) {
+  constexpr double nearly = 0.5;  // of the worst
+  const std::vector<double>& squares = left_out.squares;
+  const double worst = std::ranges::max(squares);
+
+  std::vector<std::size_t> odd;
+  for (std::size_t i = 0; i < squares.size(); ++i) {
+    if (squares[i] <= limit || squares[i] < nearly * worst) continue;
+    if (matters(sizes_of(*left_out.errors[i]))) odd.push_back(i);
+  }
+  return odd;
+}
+
 void require_enough_agree(const Used& used) {
   const auto agree = static_cast<std::size_t>(std::ranges::count(used, true));
   throw_if(agree < 3 || 5 * agree < 3 * used.size(),
@@ -114,15 +129,11 @@ RobustFit robust_fit(const std::vector<PosePair>& pairs, const HandEyePoses& sta
     const auto count = static_cast<std::size_t>(std::ranges::count(used, true));
     if (count < fewest_for_left_out) return {used, fit, std::nullopt};
 
-    // The worst pose as the calibration without it sees it.
+    // The poses that do not belong to the others, as calibrations without them see it.
     LeftOut left_out = left_out_of(pairs, used, poses, place);
-    const auto worst = static_cast<std::size_t>(std::ranges::max_element(left_out.squares) -
-                                                left_out.squares.begin());
-    if (left_out.squares[worst] <= largest_square(count) ||
-        !matters(sizes_of(*left_out.errors[worst]))) {
-      return {used, fit, std::move(left_out)};
-    }
-    used[worst] = false;
+    const std::vector<std::size_t> odd = odd_poses(left_out, largest_square(count));
+    if (odd.empty()) return {used, fit, std::move(left_out)};
+    for (const std::size_t pose : odd) used[pose] = false;
   }
 }
 

@@ -24,7 +24,7 @@ struct RobustFit {
   std::optional<LeftOut> left_out;  ///< nullopt if too few poses are used
 };
 
-/// Refines the closed form, and drops the worst pair as long as the others contradict it. Throws
+/// Refines the closed form, and drops the worst pairs as long as the others contradict them. Throws
 /// Error if fewer than three in five pairs agree.
 RobustFit robust_fit(const std::vector<PosePair>& pairs, const HandEyePoses& start, EyePlace place);
 

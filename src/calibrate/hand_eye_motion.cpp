@@ -30,7 +30,8 @@ Eigen::Isometry3d robot_for(const Eigen::Isometry3d& board, const HandEyePoses& 
   return poses.camera * board * poses.board.inverse();
 }
 
-/// The pair with the tool turned about one of its axes, and the board's centre where it was.
+/// The pair with the tool turned about one of its axes, and the board's origin, a corner, where it
+/// was.
 PosePair turned(const PosePair& pair, const HandEyePoses& poses, EyePlace place, int axis,
                 double angle) {
   const Eigen::AngleAxisd turn(angle, Eigen::Vector3d::Unit(axis));

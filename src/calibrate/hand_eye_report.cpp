@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include <fmt/ranges.h>
@@ -15,6 +17,11 @@ namespace {
 
 std::string text_of(const HandEyeError& error) {
   return fmt::format("{:.3f} mm and {:.4f} degrees", error.translation, error.rotation / degree);
+}
+
+/// False for the mean of errors that were not measured.
+bool is_known(const HandEyeError& error) {
+  return std::isfinite(error.translation) && std::isfinite(error.rotation);
 }
 
 std::size_t used_count(const HandEye& found) {
@@ -58,6 +65,16 @@ void write_scatter(Page& page, const HandEyeScatter& scatter) {
   row("board, along the line of sight and tilt", scatter.board_depth, scatter.board_tilt);
 }
 
+/// The text in YAML's double quotes.
+std::string in_quotes(std::string_view text) {
+  std::string escaped;
+  for (const char c : text) {
+    if (c == '"' || c == '\\') escaped += '\\';
+    escaped += c;
+  }
+  return fmt::format("\"{}\"", printable(escaped));
+}
+
 }  // namespace
 
 std::string carrier_of_camera(EyePlace place) {
@@ -77,8 +94,9 @@ std::string text_of(const HandEye& found) {
           "turned to within {:.4f} degrees",
           carrier, at.x(), deviation.x(), at.y(), deviation.y(), at.z(), deviation.z(),
           found.rotation_deviation.norm() / degree),
-      fmt::format("errors of {} of {} poses: {}; held out {}", used_count(found), found.each.size(),
-                  text_of(found.mean), text_of(found.mean_left_out))};
+      fmt::format("errors of {} of {} poses: {}", used_count(found), found.each.size(),
+                  text_of(found.mean))};
+  if (is_known(found.mean_left_out)) lines.back() += "; held out " + text_of(found.mean_left_out);
 
   for (const MorePoses& more : found.more) {
     lines.push_back(fmt::format("with {}: position to within {:.3f} mm, now {:.3f} mm", more.which,
@@ -108,13 +126,15 @@ Page hand_eye_report(const HandEye& found, Wording wording) {
   page.row({"its direction",
             fmt::format("+- {:.4f} degrees", found.rotation_deviation.norm() / degree)});
   page.row({"mean error", text_of(found.mean)});
-  page.row({"mean error, held out", text_of(found.mean_left_out)});
+  if (is_known(found.mean_left_out)) {
+    page.row({"mean error, held out", text_of(found.mean_left_out)});
+  }
   page.row({"size of the boards by the robot's travel",
             fmt::format("{:.5f} +- {:.5f}", found.scale, found.scale_deviation)});
   page.paragraph(
       "The standard deviation is the larger of two: of the fit, and of calibrations that each "
-      "leave "
-      "out one pose. Small errors alone do not prove the result: verify it by touching a board.");
+      "leave out one pose. Small errors alone do not prove the result: verify it by touching a "
+      "board.");
 
   page.heading("More poses");
   page.table({"with", "position, mm", "direction, degrees"});
@@ -131,7 +151,7 @@ Page hand_eye_report(const HandEye& found, Wording wording) {
 std::string residuals_yaml(const HandEye& found) {
   std::string text;
   for (const HandEyePose& pose : found.each) {
-    text += fmt::format("- name: \"{}\"\n  used: {}\n", printable(pose.name), pose.used);
+    text += fmt::format("- name: {}\n  used: {}\n", in_quotes(pose.name), pose.used);
 
     const auto add = [&](const char* name, const std::optional<HandEyeError>& error) {
       if (!error) return;
@@ -140,7 +160,7 @@ std::string residuals_yaml(const HandEye& found) {
     };
     add("error", pose.error);
     add("left_out", pose.left_out);
-    if (!pose.reason.empty()) text += fmt::format("  reason: \"{}\"\n", printable(pose.reason));
+    if (!pose.reason.empty()) text += fmt::format("  reason: {}\n", in_quotes(pose.reason));
   }
   return text;
 }

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "geometry/lens_residual.h"
+
 namespace slipstream {
 namespace {
 
@@ -36,6 +38,7 @@ void add_scanner_files(const Scanner& scanner, std::vector<PossibleMistake>& lis
   const auto swap = [](Scanner& swapped) {
     std::swap(swapped.camera.intrinsic, swapped.projector.intrinsic);
     std::swap(swapped.camera.distortion, swapped.projector.distortion);
+    std::swap(swapped.camera.residual, swapped.projector.residual);
   };
 
   file("whose rotation and translation go from the projector to the camera",
@@ -58,7 +61,10 @@ void add_scanner_files(const Scanner& scanner, std::vector<PossibleMistake>& lis
 
   for (const double scale : {0.5, 2.0}) {
     const char* const large = scale < 1 ? "twice as large" : "half as large";
-    const auto larger = [scale](Lens& lens) { lens.intrinsic.topRows<2>() *= scale; };
+    const auto larger = [scale](Lens& lens) {
+      lens.intrinsic.topRows<2>() *= scale;
+      lens.residual = scaled(std::move(lens.residual), scale);
+    };
 
     file(
         fmt::format("for camera pictures {}", large), "use pictures of the calibrated size",

@@ -3,18 +3,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/LU>
 
+#include "base/numbers.h"
 #include "base/throw_if-inl.h"
 #include "geometry/rotation.h"
 
 namespace slipstream {
 namespace {
 
-constexpr double one_degree = std::numbers::pi / 180;
-constexpr double least_angle = 20 * one_degree;
+constexpr double least_angle = 20 * degree;
 
 /// Angle between two planes, 0 to a right angle.
 double angle_of(const FittedPlane& first, const FittedPlane& second) {
@@ -35,8 +34,8 @@ PlaneFrame frame_of_planes(const std::array<FittedPlane, 3>& planes) {
     throw_if(angle < least_angle,
              "planes {} and {} are {:.1f} degrees from parallel; three faces of a corner are "
              "needed, at least {:.0f} degrees apart",
-             a + 1, b + 1, angle / one_degree, least_angle / one_degree);
-    frame.off_square[i] = 90 * one_degree - angle;
+             a + 1, b + 1, angle / degree, least_angle / degree);
+    frame.off_square[i] = std::asin(std::clamp(planes[a].normal.dot(planes[b].normal), -1.0, 1.0));
   }
 
   // 2. Where they meet.

@@ -12,8 +12,8 @@ namespace slipstream {
 struct PlaneFrame {
   /// From the frame of the planes to the new one.
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  /// How far the angle between each two planes is from a right one, rad: first and second, first
-  /// and third, second and third.
+  /// How far the angle between the normals of each two planes is from a right one, rad, positive if
+  /// it is smaller: first and second, first and third, second and third.
   std::array<double, 3> off_square{};
 };
 

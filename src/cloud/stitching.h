@@ -2,7 +2,6 @@
 
 #include <cstddef>
 
-
 #include <Eigen/Geometry>
 
 #include "slipstream/cloud.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -19,7 +20,7 @@ using Powers = std::array<double, LensResidual::largest_degree + 1>;
 
 /// The degree of a residual with that many terms; -1 if there is none.
 int degree_of(std::size_t terms) {
-  for (int degree = 0; degree <= LensResidual::largest_degree; ++degree) {
+  for (int degree = 1; degree <= LensResidual::largest_degree; ++degree) {
     if (std::cmp_equal(residual_term_count(degree), terms)) return degree;
   }
   return -1;
@@ -99,6 +100,17 @@ Eigen::MatrixXd damping(const std::vector<ResidualSample>& samples, const LensRe
   return both;
 }
 
+/// How far the samples are from the residual with these coefficients, pixels.
+std::vector<double> distances_from(const std::vector<ResidualSample>& samples,
+                                   const LensResidual& residual, int degree,
+                                   const Eigen::VectorXd& factors) {
+  std::vector<double> distances;
+  for (const ResidualSample& sample : samples) {
+    distances.push_back(std::abs(sample.off - row_of(sample, residual, degree).dot(factors)));
+  }
+  return distances;
+}
+
 }  // namespace
 
 void require_valid(const LensResidual& residual, std::string_view device) {
@@ -151,7 +163,7 @@ LensResidual scaled(LensResidual residual, double factor) {
 }
 
 LensResidual fitted_residual(const std::vector<ResidualSample>& samples, Size picture, int degree) {
-  constexpr int rounds = 4;
+  constexpr int rounds = 3;
   constexpr double deviations = 3;
 
   LensResidual residual{.centre = {(picture.width - 1) / 2.0, (picture.height - 1) / 2.0},
@@ -161,23 +173,21 @@ LensResidual fitted_residual(const std::vector<ResidualSample>& samples, Size pi
   const Eigen::Index terms = residual_term_count(degree);
 
   Eigen::VectorXd factors = Eigen::VectorXd::Zero(2 * terms);
-  double largest = std::numeric_limits<double>::infinity();
   for (int round = 0; round < rounds; ++round) {
-    // 1. Least squares of the samples that are not too far off.
+    // 1. How far samples may be off: the first round takes all.
+    const std::vector<double> distances = distances_from(samples, residual, degree, factors);
+    const double largest = round == 0 ? std::numeric_limits<double>::infinity()
+                                      : deviations * deviation_from_median(median(distances));
+
+    // 2. Least squares of the samples that are not too far off.
     Eigen::MatrixXd normal = held;
     Eigen::VectorXd right = Eigen::VectorXd::Zero(2 * terms);
-    std::vector<double> distances;
-    for (const ResidualSample& sample : samples) {
-      const Eigen::VectorXd row = row_of(sample, residual, degree);
-      const double distance = std::abs(sample.off - row.dot(factors));
-      distances.push_back(distance);
-      if (distance > largest) continue;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      if (distances[i] > largest) continue;
+      const Eigen::VectorXd row = row_of(samples[i], residual, degree);
       normal.selfadjointView<Eigen::Lower>().rankUpdate(row);
-      right += sample.off * row;
+      right += samples[i].off * row;
     }
-
-    // 2. How far the next round's may be off, by this round's distances.
-    if (round > 0) largest = deviations * deviation_from_median(median(std::move(distances)));
     factors = normal.selfadjointView<Eigen::Lower>().ldlt().solve(right);
   }
 

@@ -1,10 +1,9 @@
 #include "geometry/pose_convention.h"
 
-#include <functional>
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <iterator>
+#include <functional>
 #include <map>
 
 #include <fmt/ranges.h>

@@ -99,6 +99,10 @@ Eigen::Matrix3d checked_rotation(const Eigen::Matrix3d& matrix) {
            "the matrix mirrors: its determinant is -1, that of a rotation is 1; one axis points "
            "the wrong way, or two are swapped");
 
+  // A matrix that is as near to a rotation as doubles allow stays as it is.
+  constexpr double rounding = 1e-14;
+  if (off <= rounding) return matrix;
+
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
   return svd.matrixU() * svd.matrixV().transpose();
 }
@@ -128,6 +132,8 @@ Eigen::Matrix3d rotation_of_vector(const Eigen::Vector3d& vector) {
   require_finite(vector.allFinite(), "the rotation vector");
 
   const double angle = vector.norm();
+  throw_if(!std::isfinite(angle), "the rotation vector is too long: {:g}, {:g}, {:g}", vector.x(),
+           vector.y(), vector.z());
   if (angle == 0) return Eigen::Matrix3d::Identity();
   return Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix();
 }

@@ -387,8 +387,8 @@ StoredCloud cloud_of(StoredPoints stored) {
   return result;
 }
 
-/// Writes copies of the cloud and its extras in the frame that the extras ask for.
-void write_moved(const fs::path& path, Cloud cloud, const CloudExtras& extras) {
+/// The bytes of copies of the cloud and its extras in the frame that the extras ask for.
+std::string moved_bytes(const std::string& ending, Cloud cloud, const CloudExtras& extras) {
   std::optional<Normals> normals;
   if (extras.normals != nullptr) normals = *extras.normals;
   std::optional<Uncertainty> uncertainty;
@@ -398,10 +398,10 @@ void write_moved(const fs::path& path, Cloud cloud, const CloudExtras& extras) {
   if (normals) move_to_frame(*normals, motion);
   move_to_frame(cloud, motion, uncertainty ? &*uncertainty : nullptr);
 
-  write_cloud(path, cloud,
-              {.normals = normals ? &*normals : nullptr,
-               .uncertainty = uncertainty ? &*uncertainty : nullptr,
-               .remarks = extras.remarks});
+  return cloud_bytes(ending, cloud,
+                     {.normals = normals ? &*normals : nullptr,
+                      .uncertainty = uncertainty ? &*uncertainty : nullptr,
+                      .remarks = extras.remarks});
 }
 
 }  // namespace
@@ -420,16 +420,17 @@ void require_cloud_ending(const fs::path& path) {
 
 std::string cloud_bytes(const std::string& ending, const Cloud& cloud, const CloudExtras& extras) {
   require_cloud_ending("cloud" + ending);
+  if (extras.frame) return moved_bytes(ending, cloud, extras);
 
+  const std::string kind = lower_case_extension("cloud" + ending);
   const std::vector<Extra> columns = extras_of(extras);
-  if (ending == ".ply") return ply_file(cloud, columns, extras.remarks);
-  if (ending == ".pcd") return pcd_file(cloud, columns, extras.remarks);
+  if (kind == ".ply") return ply_file(cloud, columns, extras.remarks);
+  if (kind == ".pcd") return pcd_file(cloud, columns, extras.remarks);
   return xyz_file(cloud, columns);
 }
 
 void write_cloud(const fs::path& path, const Cloud& cloud, const CloudExtras& extras) {
   require_cloud_ending(path);
-  if (extras.frame) return write_moved(path, cloud, extras);
 
   const std::string ending = path == standard_output ? ".ply" : lower_case_extension(path);
   write_file(path, cloud_bytes(ending, cloud, extras));

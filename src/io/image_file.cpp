@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -59,6 +60,14 @@ PictureWriter writer_of(std::string_view extension) {
     if (ending == extension) return writer;
   }
   return nullptr;
+}
+
+/// The samples of a colour picture.
+PictureView view_of_colours(const Image<Colour>& image) {
+  static_assert(sizeof(Colour) == 3);
+  const ImageView<const std::uint8_t> samples(reinterpret_cast<const std::uint8_t*>(image.begin()),
+                                              {3 * image.width(), image.height()});
+  return PictureView(samples, 3);
 }
 
 void write_picture(const fs::path& path, const PictureView& picture) {
@@ -146,23 +155,27 @@ void write_image(const fs::path& path, const Image<std::uint16_t>& image) {
 }
 
 void write_image(const fs::path& path, const Image<Colour>& image) {
-  static_assert(sizeof(Colour) == 3);
-  const ImageView<const std::uint8_t> samples(reinterpret_cast<const std::uint8_t*>(image.begin()),
-                                              {3 * image.width(), image.height()});
-  write_picture(path, PictureView(samples, 3));
+  write_picture(path, view_of_colours(image));
 }
 
-void write_page(const fs::path& path, const Page& page) {
+void write_page(const fs::path& path, const Page& page, PageFiles files) {
   const fs::path folder = fs::absolute(path).parent_path();
   make_folder(folder);
 
-  for (const auto& [file, picture] : page.drawn()) write_image(folder / file, picture);
+  // The PNG files of the pictures with pixels.
+  std::map<std::string, std::vector<std::uint8_t>> drawn;
+  for (const auto& [file, picture] : page.drawn()) {
+    drawn[file] = png_file_of(view_of_colours(picture));
+    if (files == PageFiles::with_pictures) write_file(folder / file, drawn[file]);
+  }
 
   // Embeds the pictures, so that the page can be moved alone.
   std::string text = page.text();
   for (const std::string& file : page.files()) {
     const std::string source = "src=\"" + file + '"';
-    const std::string inside = "src=\"data:image/png;base64," + in_base64(read_file(folder / file));
+    const std::string inside =
+        "src=\"data:image/png;base64," +
+        in_base64(drawn.contains(file) ? drawn[file] : read_file(folder / file));
     const auto at = text.find(source);
     if (at != std::string::npos) text.replace(at, source.size(), inside + '"');
   }

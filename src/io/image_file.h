@@ -41,9 +41,14 @@ void write_image(const std::filesystem::path& path, const Image<Colour>& image);
 /// Writes a PNG with one bit per pixel, whatever the ending: 0 is dark, any other level bright.
 void write_one_bit_image(const std::filesystem::path& path, const Image<std::uint8_t>& image);
 
-/// Writes a page, .html, with its PNG pictures inside, and those with pixels also beside it;
-/// creates its folder if missing. The files of the others are there already.
-void write_page(const std::filesystem::path& path, const Page& page);
+/// Whether the pictures of a page that have pixels are also written as files beside it.
+enum class PageFiles { with_pictures, page_alone };
+
+/// Writes a page, .html, with its PNG pictures inside, and those with pixels also beside it unless
+/// `files` says otherwise; creates its folder if missing. The files of the others are there
+/// already.
+void write_page(const std::filesystem::path& path, const Page& page,
+                PageFiles files = PageFiles::with_pictures);
 
 /// Throws Error unless the ending supports maps: tif, tiff, npy.
 void require_map_ending(const std::filesystem::path& path);

@@ -5,10 +5,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <filesystem>
 #include <iterator>
-#include <set>
 #include <span>
 #include <sstream>
 #include <string>
@@ -16,7 +14,7 @@
 #include <vector>
 
 #include <Eigen/Geometry>
-#include <nlohmann/json.hpp>
+#include <fmt/format.h>
 #include <tiny_obj_loader.h>
 
 #include "base/numbers.h"
@@ -30,8 +28,6 @@
 namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
-
-using nlohmann::json;
 
 /// Of a vertex, or its intensity as grey.
 Colour colour_of(const Surface& surface, std::size_t vertex) {
@@ -127,10 +123,14 @@ void write_obj(const fs::path& path, const Surface& surface) {
   const std::vector<fs::path> beside = files_beside(path);
   const std::string picture = beside[0].filename().string();
 
+  // Colours of vertices without a colour picture would disappear under the grey one.
+  const bool only_vertices = !surface.colour.empty() && surface.colour_picture.empty();
+  std::string material = "newmtl camera\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\n";
+  if (!only_vertices) material += fmt::format("map_Kd {}\n", picture);
+
   OutputFile texture(beside[0]), materials(beside[1]), object(path);
   texture.write({texture_of(surface)});
-  materials.write(
-      {bytes_of(fmt::format("newmtl camera\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nmap_Kd {}\n", picture))});
+  materials.write({bytes_of(material)});
   object.write({bytes_of(obj_file(surface, beside[1].filename().string()))});
 
   OutputFile::keep_together({&texture, &materials, &object});

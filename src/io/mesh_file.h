@@ -15,6 +15,4 @@ StoredPoints stl_points(std::span<const std::uint8_t> bytes);
 /// The vertices and faces of an OBJ file; the intensity is the colours' luminance.
 StoredPoints obj_points(std::span<const std::uint8_t> bytes);
 
-/// The vertices of a binary glTF 2.0 file, in the camera's frame.
-
 }  // namespace slipstream

@@ -9,6 +9,7 @@
 
 #include "base/numbers.h"
 #include "io/file.h"
+#include "io/frame_title.h"
 #include "io/point_elements.h"
 #include "slipstream/cloud_file.h"
 
@@ -17,13 +18,16 @@ namespace fs = std::filesystem;
 namespace {
 
 std::string model_ply(const FusedModel& model) {
+  const std::string frame = model.frame
+                                ? frame_comments(model.frame.get(), "comment")
+                                : "comment slipstream, frame of the first joined view, mm\n";
   std::string file = fmt::format(
-      "ply\nformat binary_little_endian 1.0\ncomment slipstream, frame of the first view, mm\n"
+      "ply\nformat binary_little_endian 1.0\n{}"
       "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
       "property float nx\nproperty float ny\nproperty float nz\n{}"
       "property float sigma\nproperty float disagreement\nproperty ushort views\n"
       "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
-      model.points.size(), ply_intensity);
+      frame, model.points.size(), ply_intensity);
 
   for (const ModelPoint& point : model.points) {
     const std::uint8_t grey = grey_level(point.intensity);
@@ -32,12 +36,6 @@ std::string model_ply(const FusedModel& model) {
                    point.disagreement, point.views, colour.red, colour.green, colour.blue);
   }
   return file;
-}
-
-/// Sets the colours of a cloud or surface that has them.
-template <class Coloured, class Colours>
-void set_colours(Coloured& coloured, const Colours& colours) {
-  if constexpr (requires { coloured.colour = colours; }) coloured.colour = colours;
 }
 
 }  // namespace
@@ -57,7 +55,8 @@ void write_model(const fs::path& path, const FusedModel& model) {
   const Size size{static_cast<int>(model.points.size()), 1};
   Cloud cloud(size);
   Normals normals{Image<float>(size), Image<float>(size), Image<float>(size)};
-  Image<Colour> colours(model.coloured ? size : Size{});
+  cloud.colour = Image<Colour>(model.coloured ? size : Size{});
+  cloud.frame = model.frame;
 
   for (int i = 0; i < size.width; ++i) {
     const ModelPoint& point = model.points[static_cast<std::size_t>(i)];
@@ -69,9 +68,8 @@ void write_model(const fs::path& path, const FusedModel& model) {
     normals.x(i, 0) = point.normal.x();
     normals.y(i, 0) = point.normal.y();
     normals.z(i, 0) = point.normal.z();
-    if (model.coloured) colours(i, 0) = point.colour;
+    if (model.coloured) cloud.colour(i, 0) = point.colour;
   }
-  if (model.coloured) set_colours(cloud, colours);
   write_cloud(path, cloud, {.normals = &normals});
 }
 
@@ -83,15 +81,14 @@ Surface surface_of(const ModelMesh& mesh) {
     surface.picture(level, 0) = static_cast<std::uint8_t>(level);
   }
 
-  std::vector<Colour> colours;
+  surface.frame = mesh.frame;
   for (const ModelPoint& vertex : mesh.vertices) {
     surface.vertices.push_back(vertex.position);
     surface.intensity.push_back(vertex.intensity);
     const auto grey = static_cast<float>(grey_level(vertex.intensity));
     surface.texture.emplace_back((grey + 0.5F) / levels, 0.5F);
-    colours.push_back(vertex.colour);
+    if (mesh.coloured) surface.colour.push_back(vertex.colour);
   }
-  if (mesh.coloured) set_colours(surface, colours);
   return surface;
 }
 

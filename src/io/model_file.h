@@ -11,7 +11,7 @@ namespace slipstream {
 /// Throws Error unless write_model supports the file's ending.
 void require_model_ending(const std::filesystem::path& path);
 
-/// Writes the points of a model, in its frame, mm, by the file's ending:
+/// Writes the points of a model, in its frame, which the file names, mm, by the file's ending:
 ///   .ply  binary little-endian PLY: x y z nx ny nz intensity sigma disagreement views red green
 ///         blue; sigma and disagreement in mm, see ModelPoint;
 ///   .pcd, .xyz  as write_cloud: x y z intensity and the normals.

@@ -32,6 +32,11 @@ NpzBytes part_of(NpzBytes bytes, std::size_t at, std::size_t length) {
   return bytes.subspan(at, length);
 }
 
+/// Bytes that a file in the ZIP file takes, unpacked or packed, from its entry in the directory.
+std::uint64_t size_of_file(NpzBytes entry) {
+  return std::max(number_at<std::uint32_t>(entry, 20), number_at<std::uint32_t>(entry, 24));
+}
+
 /// The bytes of a file in the ZIP file, from its entry in the directory.
 std::vector<std::uint8_t> unpacked_file(NpzBytes bytes, NpzBytes entry) {
   constexpr std::size_t local_header = 30;
@@ -166,9 +171,11 @@ std::map<std::string, NumpyArray> arrays_of_npz(NpzBytes bytes, std::uint64_t la
   std::size_t at = number_at<std::uint32_t>(ending, 16);
 
   // 2. The files that the directory lists.
-  constexpr std::size_t most = 256;
-  throw_if(count > most, "has {} arrays; a calibration has at most {}", count, most);
+  constexpr std::size_t most = 4096;
+  constexpr std::uint64_t largest_sum = 64 * largest_text;
+  throw_if(count > most, "has {} arrays; at most {} are read", count, most);
   std::map<std::string, NumpyArray> arrays;
+  std::uint64_t sum = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const NpzBytes entry = part_of(bytes, at, entry_size);
     throw_if(!characters_in(entry).starts_with("PK\x01\x02"), "not a complete .npz file");
@@ -177,7 +184,12 @@ std::map<std::string, NumpyArray> arrays_of_npz(NpzBytes bytes, std::uint64_t la
     std::string name(characters_in(part_of(bytes, at + entry_size, name_size)));
     if (name.ends_with(".npy")) name.resize(name.size() - 4);
 
-    const bool is_small = number_at<std::uint32_t>(entry, 24) <= largest;
+    // Entries may share packed bytes, so their sizes count, not the file's.
+    const std::uint64_t size = size_of_file(entry);
+    const bool is_small = size <= largest;
+    if (is_small) sum += size;
+    throw_if(sum > largest_sum, "its arrays have more than {} MiB together",
+             largest_sum / largest_text);
     arrays[name] = is_small ? array_of_npy(unpacked_file(bytes, entry)) : NumpyArray();
 
     at += entry_size + name_size + number_at<std::uint16_t>(entry, 30) +

@@ -20,8 +20,9 @@ struct NumpyArray {
 /// The array of an .npy file. Throws Error, without a file name, if the file is damaged.
 NumpyArray array_of_npy(std::span<const std::uint8_t> bytes);
 
-/// The arrays of an .npz file by name; those of more than `largest` bytes are empty. Throws Error,
-/// without a file name, if the file is damaged.
+/// The arrays of an .npz file by name; those of more than `largest` bytes are empty, and not
+/// unpacked. Throws Error, without a file name, if the file is damaged, or the others have more
+/// than 64 MiB together.
 std::map<std::string, NumpyArray> arrays_of_npz(std::span<const std::uint8_t> bytes,
                                                 std::uint64_t largest);
 

@@ -99,7 +99,9 @@ PointArray array_in_text(std::string name, const std::string& text) {
     const bool is_comment = line.starts_with('#');
     if (is_comment) line.erase(0, 1);
     const auto fields = fields_of(line);
-    if (words_of(line, " \t,;").empty() || (is_comment && !array.numbers.empty())) continue;
+    // A line may be blank, or hold only brackets or quotes.
+    if (fields.empty() || words_of(line, " \t,;").empty()) continue;
+    if (is_comment && !array.numbers.empty()) continue;
     if (is_comment && number_in_field(fields.front())) continue;
     add_line(array, fields, line_number);
   }
@@ -112,7 +114,7 @@ PointArray array_in_text(std::string name, const std::string& text) {
 }
 
 /// With rows and columns as in the text files: points are rows. Empty for other shapes.
-PointArray array_of(std::string name, const NumpyArray& from) {
+PointArray array_of(std::string name, NumpyArray&& from) {
   // A dimension of one between others, as OpenCV's corners have, says nothing.
   std::vector<int> shape = from.shape;
   while (shape.size() > 2) {
@@ -125,16 +127,17 @@ PointArray array_of(std::string name, const NumpyArray& from) {
   PointArray array{.name = std::move(name),
                    .layers = shape.size() == 3 ? shape.front() : 1,
                    .columns = shape.back(),
-                   .numbers = from.numbers};
+                   .numbers = std::move(from.numbers)};
 
   // Some scripts store points as columns: two or three long rows.
   const int rows = shape[shape.size() - 2], columns = array.columns;
   if (rows <= 3 && columns > 8) {
+    const std::vector<double> by_columns = array.numbers;
     for (std::size_t i = 0; i < array.numbers.size(); ++i) {
       const auto layer = static_cast<int>(i) / (rows * columns);
       const auto place = static_cast<int>(i) % (rows * columns);
       const int to = layer * rows * columns + place % columns * rows + place / columns;
-      array.numbers[to] = from.numbers[i];
+      array.numbers[to] = by_columns[i];
     }
     array.columns = rows;
   }
@@ -147,7 +150,7 @@ void add_npz(const fs::path& path, std::vector<PointArray>& arrays) {
              "{} holds lists of different lengths as Python objects; save an array for each pose, "
              "e.g. numpy.savez(file, **{{f'camera_{{i}}': p for i, p in enumerate(points)}})",
              name);
-    arrays.push_back(array_of(name, array));
+    arrays.push_back(array_of(name, std::move(array)));
   }
 }
 

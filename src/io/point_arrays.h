@@ -26,8 +26,7 @@ struct PointArray {
 std::vector<std::string> words_and_numbers(std::string_view name);
 
 /// The arrays of a text file (.txt, .csv, .dat), an .npy or .npz file, or a folder of them, in the
-/// order of their names. Throws Error with
-/// file and line for anything but numbers.
+/// order of their names. Throws Error with file and line for anything but numbers.
 std::vector<PointArray> read_point_arrays(const std::filesystem::path& path);
 
 }  // namespace slipstream

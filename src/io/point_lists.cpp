@@ -170,7 +170,7 @@ std::string pose_of_row(const PointArray& array, const std::vector<ColumnUse>& u
 
   const auto column = std::ranges::find(uses, true, &ColumnUse::is_pose);
   if (column == uses.end()) return pose_in_name(array.name);
-  return fmt::format("{:g}", array.at(row, static_cast<int>(column - uses.begin())));
+  return fmt::format("{}", array.at(row, static_cast<int>(column - uses.begin())));
 }
 
 /// Throws Error unless every kind of the columns has x and y once.

@@ -19,13 +19,15 @@ struct ListedPose {
 };
 
 /// Reads a line for each view: its name, then x y z and a quaternion, or the 12 or 16 numbers of a
-/// matrix, row by row; separated by blanks or commas. Lines that begin with # are comments. `unit`:
-/// mm of its lengths. Throws Error with file and line if it is malformed.
+/// matrix, row by row; separated by blanks or commas. A name in double quotes may have any
+/// characters, a quote as two. Lines that begin with # are comments. `unit`: mm of its lengths.
+/// Throws Error with file and line if it is malformed.
 std::vector<ListedPose> read_pose_list(const std::filesystem::path& path, double unit = 1);
 
-/// Writes a line for each: the name, x y z in mm and the quaternion x y z w, from the view's frame
-/// to the model's.
+/// Writes a line for each: the name, in quotes if it needs them, x y z and the quaternion x y z w,
+/// from the view's frame to the model's. `unit`: mm of the unit of x y z, which a comment names.
 void write_pose_list(const std::filesystem::path& path,
-                     const std::vector<std::pair<std::string, Eigen::Isometry3d>>& poses);
+                     const std::vector<std::pair<std::string, Eigen::Isometry3d>>& poses,
+                     double unit = 1);
 
 }  // namespace slipstream

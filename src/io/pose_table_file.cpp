@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <functional>
 #include <initializer_list>
 #include <optional>
 #include <set>
@@ -85,9 +86,10 @@ std::vector<double> row_from(const NamedNumbers& of) {
   row.clear();
   for (const auto& [name, number] : of.numbers) row.push_back(number);
 
-  // Position, quaternion, axis configuration and external axes of an ABB controller.
+  // Position, quaternion, axis configuration and external axes of an ABB controller, which have no
+  // names; the first may have the pose's.
   constexpr std::size_t robtarget = 17;
-  if (row.size() == robtarget) row.resize(7);
+  if (row.size() == robtarget && of.numbers[1].first.empty()) row.resize(7);
 
   if (row.size() == 12) row.insert(row.end(), {0, 0, 0, 1});
   throw_if(row.size() != 6 && row.size() != 7 && row.size() != 16,
@@ -120,6 +122,14 @@ std::string_view separators_of(std::string_view line) {
   return " \r";
 }
 
+/// The text of a cell, which may have blanks, without those around it and without quotes.
+std::string unquoted(std::string_view cell) {
+  constexpr std::string_view around = " \t\"'";
+  const std::size_t first = cell.find_first_not_of(around);
+  if (first == cell.npos) return "";
+  return std::string(cell.substr(first, cell.find_last_not_of(around) + 1 - first));
+}
+
 /// A line under column names.
 NamedNumbers numbers_in_columns(const std::string& line, const Names& columns,
                                 std::string_view separators) {
@@ -128,32 +138,55 @@ NamedNumbers numbers_in_columns(const std::string& line, const Names& columns,
 
   NamedNumbers of;
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    const Names words = words_in(cells[i], " \t");
-    const std::string word = words.empty() ? "" : words.front();
     if (columns[i] == "name") {
-      of.pose = word;
+      of.pose = unquoted(cells[i]);
       continue;
     }
-    const std::optional<double> number = number_of_word(word);
+    if (columns[i].empty()) continue;
+
+    const Names words = words_in(cells[i], " \t");
+    const std::optional<double> number = number_of_word(words.empty() ? "" : words.front());
     if (number) of.numbers.emplace_back(columns[i], *number);
   }
   return of;
+}
+
+/// Whether a word may name a pose: motions of KRL, RAPID and URScript stand in the same place.
+bool names_a_pose(std::string_view word) {
+  static const std::set<std::string, std::less<>> motions{
+      "ptp", "lin", "circ", "sptp", "slin", "scirc", "movej", "movel", "movep", "movec"};
+  return !word.empty() && !motions.contains(plain_name(word));
+}
+
+/// The line up to the end of a pose of URScript, p[x,y,z,rx,ry,rz], and without the `p`: numbers
+/// after it are a motion's speed. The whole line if it has none.
+std::string without_speed(const std::string& line) {
+  const std::size_t at = line.find("p[");
+  if (at == line.npos) return line;
+  if (at > 0 && std::isalnum(static_cast<unsigned char>(line[at - 1])) != 0) return line;
+
+  // Five commas: others have elements of arrays called p.
+  const std::size_t end = std::min(line.find(']', at), line.size());
+  const std::string pose = line.substr(at + 1, end - at - 1);
+  return std::ranges::count(pose, ',') == 5 ? line.substr(0, at) + pose : line;
 }
 
 /// A line that has its names beside its numbers, or none.
 NamedNumbers numbers_in_line(const std::string& line) {
   NamedNumbers of;
   std::string before;
-  for (const std::string& word : words_in(line, " \t\r,;{}[]()=:\"'")) {
+  for (const std::string& word : words_in(without_speed(line), " \t\r,;{}[]()=:\"'")) {
     const std::optional<double> number = number_of_word(word);
     if (!number) {
       // The last word before the first number names the pose, unless it names a coordinate.
-      if (of.numbers.empty() && !before.empty()) of.pose = before;
+      if (of.numbers.empty() && names_a_pose(before)) of.pose = before;
       before = word;
       continue;
     }
+
     of.numbers.emplace_back(plain_name(before), *number);
-    if (of.numbers.size() == 1 && of.numbers.front().first != "x") of.pose = before;
+    const bool is_first = of.numbers.size() == 1;
+    if (is_first && of.numbers.front().first != "x" && names_a_pose(before)) of.pose = before;
     before.clear();
   }
   return of;
@@ -207,9 +240,9 @@ PoseTable table_in_lines(const std::string& text, std::string_view named_columns
     }
 
     // 2. Numbers with commas instead of points.
-    if (line.find(';') != line.npos && line.find('.') == line.npos) {
-      std::ranges::replace(line, ',', '.');
-    }
+    const bool by_semicolons =
+        std::ranges::count(line, ';') >= 5 && line.find_first_of("[{(.") == line.npos;
+    if (by_semicolons) std::ranges::replace(line, ',', '.');
 
     naming(fmt::format("line {}", number), [&] {
       if (!columns.empty()) return add_row(table, numbers_in_columns(line, columns, separators));
@@ -231,7 +264,11 @@ bool begins_with_any(const std::string& text, std::initializer_list<std::string_
 void collect(const YAML::Node& node, const std::string& inside, NamedNumbers& of, int depth = 0) {
   throw_if(depth > 4, "line {}: lists within lists", node.Mark().line + 1);
   if (node.IsScalar()) {
-    if (inside == "name" || inside == "id") of.pose = node.Scalar();
+    if (inside == "name" || inside == "id") {
+      of.pose = node.Scalar();
+      return;
+    }
+
     const std::optional<double> number = number_of_word(node.Scalar());
     if (number) of.numbers.emplace_back(inside, *number);
     return;

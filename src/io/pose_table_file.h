@@ -9,8 +9,9 @@
 namespace slipstream {
 
 /// Reads a list of poses:
-///   .yaml, .yml  a list, alone or under a key, of maps or lists of numbers; also as ROS prints
-///   poses others       a pose a line, with its numbers separated by commas, semicolons, blanks or
+///   .yaml, .yml  a list, alone or under a key, of maps or lists of numbers; also one PoseArray as
+///                ROS prints it
+///   others       a pose a line, with its numbers separated by commas, semicolons, blanks or
 ///                brackets; a line of column names, or names beside the numbers as in programs of
 ///                robots, {X 100, Y 0, Z 300, A 0, B 90, C 0}
 /// Recognised names are x y z with rx ry rz, a b c, w p r, o a t, u v w, roll pitch yaw, or qw qx

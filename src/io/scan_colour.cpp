@@ -1,6 +1,8 @@
 #include "io/scan_colour.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
@@ -16,12 +18,21 @@
 namespace slipstream {
 
 std::vector<bool> frames_of_colour(const Sequence& sequence) {
+  // 1. Frames of one exposure along the first axis.
   std::vector<int> frames = measuring_frames(sequence.strategy.layout());
-  const auto count = static_cast<std::size_t>(frame_count(sequence.strategy));
-  if (frames.empty()) return std::vector<bool>(count, true);
+  const int count = frame_count(sequence.strategy);
+  if (frames.empty()) {
+    frames.resize(static_cast<std::size_t>(count));
+    std::iota(frames.begin(), frames.end(), 0);
+  }
 
-  std::vector<bool> of_colour(count, false);
-  for (const int n : frames) of_colour[static_cast<std::size_t>(n)] = true;
+  // 2. The place of the shortest exposure, which saturates least.
+  const std::vector<double>& times = sequence.exposures;
+  const auto shortest = static_cast<int>(std::ranges::min_element(times) - times.begin());
+  const int first = shortest * (frame_count(sequence) / static_cast<int>(times.size()));
+
+  std::vector<bool> of_colour(static_cast<std::size_t>(first + count), false);
+  for (const int n : frames) of_colour[static_cast<std::size_t>(first + n)] = true;
   return of_colour;
 }
 
@@ -33,10 +44,13 @@ Image<ColourLevels> levels_of_colour(const ScanFiles& files, const FrameSet& whi
                                                      .channel = GreyChannel::grey,
                                                      .mosaic = files.mosaic,
                                                      .of_colour = {true}});
+    const std::string path = files.colour.front().string();
+    throw_if(loaded.lossy > 0,
+             "{}: `colour` is a JPEG, whose colours are not read; use PNG, TIFF or BMP", path);
     throw_if(loaded.colour.empty(),
              "{}: `colour` is a grey picture; name one in colour, or three in red, green and blue "
              "light",
-             files.colour.front().string());
+             path);
     return std::move(loaded.colour);
   }
   if (!files.colour.empty()) return colour_levels(read_frames(files.colour, files.bits).frames);
@@ -67,7 +81,8 @@ void add_colour(Scan& scan, const ScanFiles& files, const FrameSet& white, Image
 WhiteBalance white_balance_of(const ScanFiles& files) {
   const std::string path = files.path.string();
   throw_if(!files.grey_patch, "`grey_patch` is missing: name a place that is grey or white");
-  throw_if(files.recording != nullptr, "{}: a recording holds no colours; name a scan folder", path);
+  throw_if(files.recording != nullptr, "{}: a recording holds no colours; name a scan folder",
+           path);
 
   FrameSet white;
   Image<ColourLevels> mean;

@@ -12,9 +12,9 @@
 
 namespace slipstream {
 
-/// Which frames of a sequence show the colours of the scene: the sinusoids of the first exposure
+/// Which frames of a sequence show the colours of the scene: the sinusoids of the shortest exposure
 /// along the first axis, whose mean has no stripes; a code has no sinusoids, and all its frames
-/// count.
+/// count. Frames after the last one of them are left out of the list.
 std::vector<bool> frames_of_colour(const Sequence& sequence);
 
 /// The colours of a scan's pixels, not balanced: of ScanFiles::colour, else of the `white` picture

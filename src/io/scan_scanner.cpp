@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "geometry/lens_residual.h"
 #include "slipstream/error.h"
 #include "slipstream/recording.h"
 #include "slipstream/scanner_file.h"
@@ -26,6 +27,8 @@ Lens binned(Lens lens, Size pictures) {
   lens.intrinsic(0, 2) -= (k - 1) / 2.0;
   lens.intrinsic(1, 2) -= (k - 1) / 2.0;
   lens.intrinsic.topRows<2>() /= k;
+  lens.residual.centre.array() -= (k - 1) / 2.0;
+  lens.residual = scaled(std::move(lens.residual), 1.0 / k);
   lens.size = pictures;
   return lens;
 }

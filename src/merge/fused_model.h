@@ -2,12 +2,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include <Eigen/Geometry>
 
 #include "merge/view.h"
+#include "slipstream/cloud.h"
 #include "slipstream/image.h"
 
 namespace slipstream {
@@ -27,6 +29,8 @@ struct FusedModel {
   std::vector<ModelPoint> points{};
   float spacing = 0;      ///< of the points, mm
   bool coloured = false;  ///< whether all views have colours
+  /// As Cloud::frame, of the first joined view's camera; null: the model is in that camera's frame.
+  std::shared_ptr<const FramePose> frame{};
 };
 
 /// Averages the points of all views, each weighted by 1 / sigma^2, one point about every `spacing`

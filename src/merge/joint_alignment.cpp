@@ -56,9 +56,10 @@ std::vector<std::pair<std::size_t, std::size_t>> pairs_in_order(std::size_t coun
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
   for (std::size_t apart = 1; apart <= count / 2; ++apart) {
     for (std::size_t i = 0; i < count; ++i) {
+      // Half the list apart, each pair comes up from both sides.
+      if (2 * apart == count && i >= apart) continue;
       const std::size_t k = (i + apart) % count;
-      const std::pair pair{std::min(i, k), std::max(i, k)};
-      if (std::find(pairs.begin(), pairs.end(), pair) == pairs.end()) pairs.push_back(pair);
+      pairs.emplace_back(std::min(i, k), std::max(i, k));
     }
   }
   return pairs;
@@ -103,12 +104,25 @@ void add_pair(std::size_t first, std::size_t second, PairAlignment alignment,
   list.push_back({.first = first, .second = second, .alignment = std::move(alignment)});
 }
 
-bool is_tried(const JointAlignment& joint, std::size_t first, std::size_t second) {
-  const auto is_pair = [&](const ViewLink& link) {
+/// Whether a pair is one of the links.
+bool has_pair(const std::vector<ViewLink>& links, std::size_t first, std::size_t second) {
+  return std::any_of(links.begin(), links.end(), [&](const ViewLink& link) {
     return link.first == first && link.second == second;
-  };
-  return std::any_of(joint.links.begin(), joint.links.end(), is_pair) ||
-         std::any_of(joint.refused.begin(), joint.refused.end(), is_pair);
+  });
+}
+
+/// Adds a pair that was compared from the poses of both views. If it joins, it is no longer
+/// refused; else what it was refused for at first stays.
+void add_compared(std::size_t first, std::size_t second, PairAlignment alignment,
+                  JointAlignment& joint) {
+  if (alignment.joined()) {
+    std::erase_if(joint.refused, [&](const ViewLink& link) {
+      return link.first == first && link.second == second;
+    });
+  } else if (has_pair(joint.refused, first, second)) {
+    return;
+  }
+  add_pair(first, second, std::move(alignment), joint);
 }
 
 /// Aligns pairs without a start until all views are connected.
@@ -133,27 +147,30 @@ void link_without_start(const std::vector<PreparedView>& views, const JointSetti
   }
 }
 
-/// Whether boxes around both views, at their poses, come near each other.
+/// Whether spheres around both views, at their poses, come near each other.
 bool may_overlap(const PreparedView& first, const PreparedView& second,
                  const Eigen::Isometry3d& pose) {
   return (pose * second.middle() - first.middle()).norm() < 2 * (first.reach() + second.reach());
 }
 
-/// Links all pairs that overlap at the poses so far and were not tried.
+/// Links all pairs that overlap at the poses so far and are not linked. A start may be rough.
 void link_overlapping(const std::vector<PreparedView>& views, const Poses& poses,
                       const JointSettings& settings, JointAlignment& joint) {
+  const bool started = !settings.starts.empty();
   for (std::size_t first = 0; first < views.size(); ++first) {
     for (std::size_t second = first + 1; second < views.size(); ++second) {
-      if (!poses[first] || !poses[second] || is_tried(joint, first, second)) continue;
+      if (!poses[first] || !poses[second] || has_pair(joint.links, first, second)) continue;
 
       const Eigen::Isometry3d start = poses[first]->inverse() * *poses[second];
       if (!may_overlap(views[first], views[second], start)) continue;
-      if (overlap_at(views[first], views[second], start) < settings.pairs.least_overlap) continue;
+      const double overlap = started ? rough_overlap_at(views[first], views[second], start)
+                                     : overlap_at(views[first], views[second], start);
+      if (overlap < settings.pairs.least_overlap) continue;
 
       PairAlignment found = refine_alignment(views[first], views[second], start, settings.pairs);
       // Two views of a plane part tell nothing alone, and contradict nothing.
       const bool weak = found.refusal == Refusal::slides || found.refusal == Refusal::no_overlap;
-      if (!weak || !settings.starts.empty()) add_pair(first, second, std::move(found), joint);
+      if (!weak || started) add_compared(first, second, std::move(found), joint);
     }
     if (settings.progress) {
       settings.progress(0.6 +
@@ -290,6 +307,38 @@ void balance_links(const std::vector<PreparedView>& views, const std::vector<Vie
   }
 }
 
+/// Refines the poses of all views that have one, by the distances between linked surfaces. The
+/// first view stays.
+void refine_jointly(const std::vector<PreparedView>& views, const std::vector<ViewLink>& links,
+                    int rounds, Poses& poses) {
+  constexpr std::size_t most_matches = 2'000'000;  // of all links together
+  constexpr double settled = 1e-4;                 // spacings
+
+  const std::size_t each = most_matches / std::max<std::size_t>(links.size(), 1);
+  for (int round = 0; round < rounds; ++round) {
+    PoseEquations equations(poses);
+    for (const ViewLink& link : links) {
+      if (!poses[link.first] || !poses[link.second]) continue;
+      const PreparedView &first = views[link.first], &second = views[link.second];
+      const Eigen::Isometry3d& to_common = *poses[link.first];
+      const std::size_t step = (first.sample().size() + second.sample().size()) / each + 1;
+      auto matches = match_surfaces(
+          fine_surface(first), fine_surface(second), to_common.inverse() * *poses[link.second],
+          3 * std::max(first.view().spacing, second.view().spacing), step);
+      for (SurfaceMatch& match : matches) {
+        match.place = to_common * match.place;
+        match.first_normal = to_common.linear() * match.first_normal;
+        match.second_normal = to_common.linear() * match.second_normal;
+      }
+
+      const SurfaceEquations of_link = equations_of(matches, Eigen::Vector3d::Zero());
+      equations.add(link, of_link.squares, of_link.right);
+    }
+
+    if (equations.move(views, poses) < settled * views.front().view().spacing) break;
+  }
+}
+
 /// How far the poses along the tree of links are off where further links close loops.
 void measure_loops(const std::vector<PreparedView>& views, const Poses& poses,
                    JointAlignment& joint) {
@@ -322,9 +371,35 @@ void describe_links(const std::vector<PreparedView>& views, const JointSettings&
   });
 }
 
+/// Lists the pairs that do not fit at the joint poses: links, and pairs that were refused,
+/// which may have been for other poses.
+void find_misfits(const std::vector<PreparedView>& views, const JointSettings& settings,
+                  JointAlignment& joint) {
+  const auto is_misfit = [](const ViewLink& link) {
+    return link.alignment.refusal == Refusal::misfit ||
+           link.alignment.refusal == Refusal::sees_through;
+  };
+
+  for (const ViewLink& link : joint.links) {
+    if (is_misfit(link)) joint.misfits.push_back(link);
+  }
+
+  for (const ViewLink& refused : joint.refused) {
+    const auto &first = joint.poses[refused.first], &second = joint.poses[refused.second];
+    if (!first || !second) continue;
+
+    ViewLink link = refused;
+    link.alignment = alignment_at(views[link.first], views[link.second], first->inverse() * *second,
+                                  settings.pairs);
+    if (is_misfit(link)) joint.misfits.push_back(std::move(link));
+  }
+}
+
 /// Why a view stays alone: the reason of its pair with the most matches.
 std::string reason_of(std::size_t view, const std::vector<PreparedView>& views,
-                      const JointAlignment& joint) {
+                      const JointSettings& settings, const JointAlignment& joint) {
+  if (!settings.starts.empty() && !settings.starts[view]) return "no start pose is given for it";
+
   const ViewLink* nearest = nullptr;
   for (const ViewLink& link : joint.refused) {
     if (link.first != view && link.second != view) continue;
@@ -341,36 +416,6 @@ std::string reason_of(std::size_t view, const std::vector<PreparedView>& views,
 std::size_t JointAlignment::joined() const {
   return static_cast<std::size_t>(
       std::count_if(poses.begin(), poses.end(), [](const auto& pose) { return pose.has_value(); }));
-}
-
-void refine_jointly(const std::vector<PreparedView>& views, const std::vector<ViewLink>& links,
-                    int rounds, Poses& poses) {
-  constexpr std::size_t most_matches = 2'000'000;  // of all links together
-  constexpr double settled = 1e-4;                 // spacings
-
-  const std::size_t each = most_matches / std::max<std::size_t>(links.size(), 1);
-  for (int round = 0; round < rounds; ++round) {
-    PoseEquations equations(poses);
-    for (const ViewLink& link : links) {
-      if (!poses[link.first] || !poses[link.second]) continue;
-      const PreparedView &first = views[link.first], &second = views[link.second];
-      const Eigen::Isometry3d& to_common = *poses[link.first];
-      const std::size_t step = (first.sample().size() + second.sample().size()) / each + 1;
-      auto matches = match_surfaces(
-          fine_surface(first), fine_surface(second), to_common.inverse() * *poses[link.second],
-          3 * std::max(first.view().spacing, second.view().spacing), step);
-      for (SurfaceMatch& match : matches) {
-        match.place = to_common * match.place;
-        match.first_normal = to_common.linear() * match.first_normal;
-        match.second_normal = to_common.linear() * match.second_normal;
-      }
-
-      const SurfaceEquations of_link = equations_of(matches, Eigen::Vector3d::Zero());
-      equations.add(link, of_link.squares, of_link.right);
-    }
-
-    if (equations.move(views, poses) < settled * views.front().view().spacing) break;
-  }
 }
 
 JointAlignment join_views(const std::vector<PreparedView>& views, const JointSettings& settings) {
@@ -390,12 +435,11 @@ JointAlignment join_views(const std::vector<PreparedView>& views, const JointSet
   if (!started) link_overlapping(views, joint.poses, settings, joint);
 
   // 2. The poses that fit all pairs together; pairs that contradict the rest are dropped.
-  joint.poses = poses_along(views, joint.links);
-  measure_loops(views, joint.poses, joint);
   do {
     joint.poses = poses_along(views, joint.links);
     balance_links(views, joint.links, joint.poses);
   } while (drop_worst(views, joint.poses, joint));
+  measure_loops(views, poses_along(views, joint.links), joint);
   refine_jointly(views, joint.links, settings.rounds, joint.poses);
 
   // 3. In the frame of the first view that is joined.
@@ -409,9 +453,10 @@ JointAlignment join_views(const std::vector<PreparedView>& views, const JointSet
 
   // 4. How well each pair fits at the joint poses, and why views are left out.
   describe_links(views, settings, joint);
+  find_misfits(views, settings, joint);
   if (joint.joined() < 2) joint.poses.assign(views.size(), std::nullopt);
   for (std::size_t i = 0; i < views.size(); ++i) {
-    if (!joint.poses[i]) joint.reasons[i] = reason_of(i, views, joint);
+    if (!joint.poses[i]) joint.reasons[i] = reason_of(i, views, settings, joint);
   }
   if (settings.progress) settings.progress(1);
   return joint;

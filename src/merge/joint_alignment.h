@@ -28,6 +28,9 @@ struct JointAlignment {
   std::vector<std::string> reasons{};  ///< why each view is not joined; empty if it is
   std::vector<ViewLink> links{};       ///< joined pairs
   std::vector<ViewLink> refused{};  ///< pairs that were tried, and links that the others contradict
+  /// Pairs, joined or refused, of joined views that do not fit at the joint poses: their surfaces
+  /// differ, or a camera would have seen through one. The alignment is the one at these poses.
+  std::vector<ViewLink> misfits{};
 
   /// Of the links that close a loop, before the joint refinement: RMS at the views' points, mm, and
   /// of the turns, degrees. nullopt without a loop.
@@ -41,21 +44,15 @@ struct JointSettings {
   /// Poses about which the views lie, from files or a turntable; to any common frame. Empty, or one
   /// for each view.
   std::vector<std::optional<Eigen::Isometry3d>> starts{};
-  /// Views follow each other around the object, so that neighbours in the list are tried first.
-  bool in_order = true;
   int rounds = 6;                                ///< of the joint refinement
   std::function<void(double share)> progress{};  ///< 0 to 1; may be empty
 };
 
-/// Joins views: pairs without a start or from one, then all pairs that overlap, then all poses at
-/// once by the distances of all common surfaces, weighted by their noise. Links that contradict the
-/// others are dropped. Never joins a view that only a refused pair connects.
+/// Joins views: pairs without a start, neighbours in the list first, or pairs from one; then all
+/// pairs that overlap, then all poses at once by the distances of all common surfaces, weighted by
+/// their noise. Links that contradict the others are dropped. Never joins a view that only a
+/// refused pair connects.
 JointAlignment join_views(const std::vector<PreparedView>& views,
                           const JointSettings& settings = {});
-
-/// Refines the poses of all views that have one, by the distances between linked surfaces. The
-/// first view stays.
-void refine_jointly(const std::vector<PreparedView>& views, const std::vector<ViewLink>& links,
-                    int rounds, std::vector<std::optional<Eigen::Isometry3d>>& poses);
 
 }  // namespace slipstream

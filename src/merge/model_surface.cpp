@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <unordered_map>
 #include <utility>
@@ -157,12 +158,30 @@ std::optional<Eigen::Vector3f> crossing_of(const DistanceGrid& grid, const Node&
   return sum / crossings;
 }
 
+/// Removes the vertices that are not a corner of a triangle.
+void drop_unused_vertices(ModelMesh& mesh) {
+  constexpr std::uint32_t unused = std::numeric_limits<std::uint32_t>::max();
+
+  std::vector<std::uint32_t> place(mesh.vertices.size(), unused);
+  std::vector<ModelPoint> used;
+  for (auto& triangle : mesh.triangles) {
+    for (std::uint32_t& corner : triangle) {
+      if (place[corner] == unused) {
+        place[corner] = static_cast<std::uint32_t>(used.size());
+        used.push_back(mesh.vertices[corner]);
+      }
+      corner = place[corner];
+    }
+  }
+  mesh.vertices = std::move(used);
+}
+
 }  // namespace
 
 ModelMesh mesh_of(const FusedModel& model) {
   constexpr float farthest = 1.2F;  // of a vertex from the nearest point, spacings
 
-  ModelMesh mesh{.coloured = model.coloured};
+  ModelMesh mesh{.coloured = model.coloured, .frame = model.frame};
   const PointBlend blend(model);
   const DistanceGrid grid(model, blend);
 
@@ -204,6 +223,7 @@ ModelMesh mesh_of(const FusedModel& model) {
     }
   }
 
+  drop_unused_vertices(mesh);
   return mesh;
 }
 

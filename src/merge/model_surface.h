@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "merge/fused_model.h"
@@ -10,10 +11,11 @@ namespace slipstream {
 
 /// A triangle mesh of a model: corners with the values of the points around them.
 struct ModelMesh {
-  std::vector<ModelPoint> vertices{};
+  std::vector<ModelPoint> vertices{};  ///< each is a corner of a triangle
   /// Indices of the corners, counter-clockwise as seen from outside.
   std::vector<std::array<std::uint32_t, 3>> triangles{};
-  bool coloured = false;  ///< whether the vertices have colours
+  bool coloured = false;                     ///< whether the vertices have colours
+  std::shared_ptr<const FramePose> frame{};  ///< of the model
 };
 
 /// The surface where the signed distance from the model's points, along their normals, is zero

@@ -70,7 +70,8 @@ double share_of(std::size_t part, std::size_t whole) {
   return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
-/// Overlap, contradictions and distances at the alignment's pose.
+/// Overlap, contradictions and distances at the alignment's pose, from every `step`-th point. The
+/// number of matches and the information are those of all points.
 void describe_fit(const PreparedView& first, const PreparedView& second, std::size_t step,
                   PairAlignment& alignment) {
   constexpr double off_surface = 6;  // standard deviations
@@ -88,7 +89,8 @@ void describe_fit(const PreparedView& first, const PreparedView& second, std::si
   // 2. The distances.
   const auto matches = match_surfaces(fine_surface(first), fine_surface(second), alignment.pose,
                                       compared_distance(first, second), step);
-  alignment.matches = matches.size();
+  const auto each = static_cast<double>(step);  // points that a compared one stands for
+  alignment.matches = step * matches.size();
   if (matches.empty()) return;
 
   std::vector<double> sizes, sigmas;
@@ -120,10 +122,10 @@ void describe_fit(const PreparedView& first, const PreparedView& second, std::si
   // 3. The information of the matches about the pose.
   alignment.centre = centre_of(matches);
   const SurfaceEquations equations = equations_of(matches, alignment.centre);
-  alignment.information = equations.information;
+  alignment.information = each * equations.information;
 
   const WeakestMotion weakest = weakest_motion(equations, extent_of(matches, alignment.centre));
-  alignment.weakest_sigma = weakest.sigma;
+  alignment.weakest_sigma = weakest.sigma / std::sqrt(each);
   alignment.weakest_slope = weakest.slope;
 }
 
@@ -134,20 +136,22 @@ void judge(const AlignmentSettings& settings, double spacing, PairAlignment& ali
     alignment.reason = std::move(reason);
   };
 
-  if (alignment.matches < fewest_matches || alignment.overlap < settings.least_overlap) {
+  if (alignment.overlap < settings.least_overlap) {
     refuse(Refusal::no_overlap,
-           fmt::format("at the best pose found they share {:.0f} % of the surface of the smaller "
-                       "one; {:.0f} % or more is needed",
+           fmt::format("they share only {:.0f} % of the surface of the smaller one; {:.0f} % or "
+                       "more is needed",
                        100 * alignment.overlap, 100 * settings.least_overlap));
+  } else if (alignment.matches < fewest_matches) {
+    refuse(Refusal::no_overlap, fmt::format("they share only {} points; {} or more are needed",
+                                            alignment.matches, fewest_matches));
   } else if (alignment.contradictions > settings.most_contradictions) {
     refuse(Refusal::sees_through,
-           fmt::format("at the best pose found one camera sees through {:.1f} % of the other's "
-                       "surface",
+           fmt::format("one camera sees through {:.1f} % of the other's surface",
                        100 * alignment.contradictions));
   } else if (alignment.misfits > settings.most_misfits) {
     refuse(Refusal::misfit,
-           fmt::format("at the best pose found {:.0f} % of the common surface differ by more than "
-                       "the noise, in the median by {:.3g} mm",
+           fmt::format("{:.0f} % of the common surface differ by more than the noise, in the "
+                       "median by {:.3g} mm",
                        100 * alignment.misfits, alignment.median));
   } else if (alignment.weakest_slope < settings.least_slope) {
     refuse(Refusal::slides,
@@ -326,6 +330,20 @@ double overlap_at(const PreparedView& first, const PreparedView& second,
   const Comparison of_first = compare(first, second, pose.inverse(), step);
   return std::max(share_of(of_second.beside, of_second.samples),
                   share_of(of_first.beside, of_first.samples));
+}
+
+double rough_overlap_at(const PreparedView& first, const PreparedView& second,
+                        const Eigen::Isometry3d& pose) {
+  constexpr std::size_t step = 5;
+  constexpr float farthest = 3;  // cells
+  const float cell = first.keypoints().cell;
+  const auto matches =
+      match_surfaces(coarse_surface(first), coarse_surface(second), pose, farthest * cell, step);
+
+  // The keypoints of both views are matched.
+  const std::size_t fewer =
+      std::min(first.keypoints().points.size(), second.keypoints().points.size());
+  return std::min(share_of(step * matches.size(), 2 * fewer), 1.0);
 }
 
 }  // namespace slipstream

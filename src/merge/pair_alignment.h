@@ -57,7 +57,7 @@ struct AlignmentSettings {
   double most_misfits = 0.25;         ///< share of the compared points
   double least_slope = 0.012;         ///< RMS, in the least known direction
   double most_uncertain = 0.03;       ///< standard deviation of that motion, in spacings of points
-  double alike = 0.35;                ///< share of the best overlap from which a second pose counts
+  double alike = 0.35;                ///< share of the best score from which a second pose counts
 };
 
 /// Finds the pose of the second view without a start: similar features, poses that many of them
@@ -78,5 +78,10 @@ PairAlignment alignment_at(const PreparedView& first, const PreparedView& second
 /// About the overlap at a pose, from a few points.
 double overlap_at(const PreparedView& first, const PreparedView& second,
                   const Eigen::Isometry3d& pose);
+
+/// The same at a pose that may be off by about three cells of the keypoints: the share of the
+/// keypoints of the view with fewer of them that have the other's surface near them.
+double rough_overlap_at(const PreparedView& first, const PreparedView& second,
+                        const Eigen::Isometry3d& pose);
 
 }  // namespace slipstream

@@ -11,16 +11,29 @@ namespace {
 
 using Poses = std::vector<std::optional<Eigen::Isometry3d>>;
 
-/// Mean overlap of the pairs of views that follow each other, which is enough to tell readings
-/// apart.
+/// Mean over the views with a pose of the largest overlap with another view, see PoseReading.
 double mean_overlap(const std::vector<PreparedView>& views, const Poses& poses) {
-  double sum = 0, pairs = 0;
-  for (std::size_t i = 0; i + 1 < views.size(); ++i) {
-    if (!poses[i] || !poses[i + 1]) continue;
-    sum += overlap_at(views[i], views[i + 1], poses[i]->inverse() * *poses[i + 1]);
-    ++pairs;
+  // 1. The largest overlap of each view.
+  std::vector<double> largest(views.size());
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    for (std::size_t k = i + 1; k < views.size(); ++k) {
+      if (!poses[i] || !poses[k]) continue;
+      const Eigen::Isometry3d pose = poses[i]->inverse() * *poses[k];
+      const double overlap =
+          (overlap_at(views[i], views[k], pose) + rough_overlap_at(views[i], views[k], pose)) / 2;
+      largest[i] = std::max(largest[i], overlap);
+      largest[k] = std::max(largest[k], overlap);
+    }
   }
-  return sum / std::max(pairs, 1.0);
+
+  // 2. Their mean.
+  double sum = 0, count = 0;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (!poses[i]) continue;
+    sum += largest[i];
+    ++count;
+  }
+  return sum / std::max(count, 1.0);
 }
 
 }  // namespace

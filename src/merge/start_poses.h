@@ -14,7 +14,10 @@ namespace slipstream {
 struct PoseReading {
   std::string sense{};  ///< "quaternion x y z w, from the view's frame", ...
   std::vector<std::optional<Eigen::Isometry3d>> poses{};
-  double overlap = 0;  ///< mean over the pairs of views
+  /// Mean over the views with a pose of the largest overlap with another view. Half of it is the
+  /// overlap at the poses as they are, which tells readings apart; half is the overlap at poses
+  /// that may be off by a few cells of the keypoints.
+  double overlap = 0;
 };
 
 /// The readings of a list whose convention is unknown, the one that brings most surfaces of the

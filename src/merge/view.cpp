@@ -120,21 +120,32 @@ float noise_of(std::span<const Eigen::Vector3f> points, const PointGrid& grid, f
   return roughness.empty() ? 0 : quantile(roughness, flattest);
 }
 
-/// Whether the points are as a camera at the origin sees them: in a cone, one behind another only
-/// at a few places.
-bool is_seen_from_origin(std::span<const Eigen::Vector3f> points, float spacing) {
-  constexpr float widest = 0.3F;  // cosine of the angle from the axis
-  constexpr float most_hidden = 0.1F;
-
+/// Mean direction of the points, seen from the origin.
+Eigen::Vector3f axis_of(std::span<const Eigen::Vector3f> points) {
   Eigen::Vector3f axis = Eigen::Vector3f::Zero();
   for (const Eigen::Vector3f& point : points) axis += point.normalized();
-  axis.normalize();
+  return axis.normalized();
+}
 
-  std::vector<float> ranges;
-  for (const Eigen::Vector3f& point : points) {
-    if (!(point.normalized().dot(axis) > widest)) return false;
-    ranges.push_back(point.norm());
+/// Indices of the points in the cone that a camera at the origin sees.
+std::vector<std::uint32_t> points_in_cone(std::span<const Eigen::Vector3f> points) {
+  constexpr float widest = 0.3F;  // cosine of the angle from the axis
+
+  const Eigen::Vector3f axis = axis_of(points);
+  std::vector<std::uint32_t> inside;
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
+    if (points[i].normalized().dot(axis) > widest) inside.push_back(i);
   }
+  return inside;
+}
+
+/// Whether of the points, in a camera's cone, only a few are behind another.
+bool is_seen_from_origin(std::span<const Eigen::Vector3f> points, float spacing) {
+  constexpr float most_hidden = 0.1F;
+
+  const Eigen::Vector3f axis = axis_of(points);
+  std::vector<float> ranges;
+  for (const Eigen::Vector3f& point : points) ranges.push_back(point.norm());
 
   // Of the points in each narrow bundle of rays, count those far behind the first.
   const float middle = quantile(ranges, 0.5);
@@ -159,15 +170,12 @@ bool is_seen_from_origin(std::span<const Eigen::Vector3f> points, float spacing)
   return static_cast<float>(hidden) < most_hidden * static_cast<float>(points.size());
 }
 
-/// The points of these indices.
+/// The points of these indices; their normals may be missing.
 View kept_of(const View& view, const std::vector<std::uint32_t>& kept) {
-  View few{.name = view.name,
-           .spacing = view.spacing,
-           .sigma_known = view.sigma_known,
-           .from_origin = view.from_origin};
+  View few{.name = view.name, .spacing = view.spacing, .from_origin = view.from_origin};
   for (const std::uint32_t i : kept) {
     few.points.push_back(view.points[i]);
-    few.normals.push_back(view.normals[i]);
+    if (!view.normals.empty()) few.normals.push_back(view.normals[i]);
     few.sigma.push_back(view.sigma[i]);
     few.intensity.push_back(view.intensity[i]);
     if (!view.colours.empty()) few.colours.push_back(view.colours[i]);
@@ -175,16 +183,29 @@ View kept_of(const View& view, const std::vector<std::uint32_t>& kept) {
   return few;
 }
 
-/// The valid points, without normals; sigma along the ray.
+/// Finds whether a camera at the origin sees the points; removes the few strays that it cannot.
+void find_origin(View& view) {
+  constexpr double most_strays = 0.01;
+
+  const std::vector<std::uint32_t> inside = points_in_cone(view.points);
+  const auto strays = static_cast<double>(view.size() - inside.size());
+  if (strays > most_strays * static_cast<double>(view.size())) return;
+
+  View seen = kept_of(view, inside);
+  if (!is_seen_from_origin(seen.points, seen.spacing)) return;
+  seen.from_origin = true;
+  view = std::move(seen);
+}
+
+/// The valid points, without normals; sigma along the ray. Some programs write 0 0 0 for a pixel
+/// without a point.
 View points_of(const Cloud& cloud, const Uncertainty* uncertainty, std::string name,
                const Image<Colour>* colours) {
   View view{.name = std::move(name)};
-  view.sigma_known = uncertainty != nullptr;
-
   for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
     if (cloud.validity(column, row) != Validity::valid) return;
     const Eigen::Vector3f point = position_at(cloud, column, row).cast<float>();
-    if (!point.allFinite()) return;
+    if (!point.allFinite() || point.isZero(0)) return;
 
     view.points.push_back(point);
     view.intensity.push_back(cloud.intensity(column, row));
@@ -209,7 +230,7 @@ View view_of(const Cloud& cloud, const Uncertainty* uncertainty, std::string nam
              const Image<Colour>* colours) {
   View view = points_of(cloud, uncertainty, std::move(name), colours);
   view.spacing = median_spacing(view.points);
-  view.from_origin = is_seen_from_origin(view.points, view.spacing);
+  find_origin(view);
 
   // 1. The noise, by which the neighbourhood of a normal is chosen: noise of the normal falls with
   // the square of its radius, to 0.03 rad here.
@@ -255,13 +276,6 @@ View view_of(const Cloud& cloud, const Uncertainty* uncertainty, std::string nam
   throw_if(kept.size() < fewest_points, "only {} of its {} points have neighbours", kept.size(),
            view.size());
   return kept_of(view, kept);
-}
-
-View thinned(const View& view, float spacing) {
-  if (view.spacing >= spacing) return view;
-  View few = kept_of(view, thinned_to_cells(view.points, spacing));
-  few.spacing = median_spacing(few.points);
-  return few;
 }
 
 }  // namespace slipstream

@@ -23,8 +23,7 @@ struct View {
   std::vector<float> intensity{};  ///< grey levels of 255
   std::vector<Colour> colours{};   ///< empty if the view has none
 
-  float spacing = 0;         ///< median distance of a point from its nearest neighbour, mm
-  bool sigma_known = false;  ///< false: estimated from the roughness of the surface
+  float spacing = 0;  ///< median distance of a point from its nearest neighbour, mm
   /// Whether the points are as seen from the origin, so that a point hides what lies behind it.
   bool from_origin = false;
 
@@ -32,12 +31,10 @@ struct View {
 };
 
 /// A view of a cloud. `uncertainty`: of the cloud; null: the noise is estimated. `colours`: of each
-/// pixel, or null. Leaves out points without enough neighbours for a normal. Throws Error for fewer
-/// than 100 points.
+/// pixel, or null. Leaves out points at the origin, points without enough neighbours for a normal,
+/// and up to 1 % of strays outside the cone that a camera at the origin sees. Throws Error for
+/// fewer than 100 points.
 View view_of(const Cloud& cloud, const Uncertainty* uncertainty = nullptr, std::string name = {},
              const Image<Colour>* colours = nullptr);
-
-/// The same, with points every `spacing` mm at least: dense clouds are thinned to cells.
-View thinned(const View& view, float spacing);
 
 }  // namespace slipstream

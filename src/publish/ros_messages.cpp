@@ -15,19 +15,10 @@
 #include "io/file.h"
 #include "io/point_elements.h"
 #include "publish/cdr.h"
+#include "publish/message_definition.h"
 
 namespace slipstream {
 namespace {
-
-/// The definition of a type used by another.
-std::string named_definition(std::string_view name, std::string_view fields) {
-  return fmt::format("\n{:=>80}\nMSG: {}\n{}", "", name, fields);
-}
-
-std::string header_definition() {
-  return named_definition("std_msgs/Header", "builtin_interfaces/Time stamp\nstring frame_id\n") +
-         named_definition("builtin_interfaces/Time", "int32 sec\nuint32 nanosec\n");
-}
 
 constexpr std::uint8_t uint32 = 6, float32 = 7;   // PointField datatypes
 constexpr std::string_view colour_field = "rgb";  // a float32 with the bits of packed_colour

@@ -47,15 +47,15 @@ Answer refused(std::string_view why) {
   return {{{"ok", false}, {"error", why}}};
 }
 
-/// A copy of a cloud whose frames were taken after a request.
+/// A copy of a cloud whose frames were all received after a request.
 struct TakenScan {
   FrameStamp newest{};  ///< of its frames
   ValidityCounts counts{};
   Cloud cloud{};
 };
 
-/// Whether all frames were taken after that time.
-bool is_taken_after(const LiveCloud& cloud, steady_clock::time_point time) {
+/// Whether all frames were received after that time.
+bool is_received_after(const LiveCloud& cloud, steady_clock::time_point time) {
   return std::ranges::all_of(cloud.frames,
                              [&](const auto& frame) { return frame->stamp.host_time >= time; });
 }
@@ -86,14 +86,14 @@ class TcpSink final : public CloudSink {
 
   using CloudSink::tell;
 
-  /// A copy of the newest cloud if its frames were taken after that time; otherwise null.
+  /// A copy of the newest cloud if its frames were received after that time; otherwise null.
   std::shared_ptr<const TakenScan> scan_since(steady_clock::time_point time) {
     anybody_waits_ = true;  // set first: a cloud may come meanwhile
 
     Pooled<LiveCloud> cloud;
     {
       const std::lock_guard lock(mutex_);
-      if (newest_ && is_taken_after(*newest_, time)) cloud = newest_;
+      if (newest_ && is_received_after(*newest_, time)) cloud = newest_;
     }
     if (!cloud) return nullptr;
 
@@ -157,10 +157,10 @@ class TcpSink final : public CloudSink {
     return {{"ok", true}, {"track", statistics["track"]}};
   }
 
-  static Answer cloud_of(const json& request, const TakenScan* scan) {
+  [[nodiscard]] Answer cloud_of(const json& request, const TakenScan* scan) const {
     throw_if(scan == nullptr, "no scan yet; ask for one by {{\"do\": \"scan\"}}");
     const std::string format = request.value("format", "ply");
-    std::string bytes = cloud_bytes("." + format, scan->cloud);
+    std::string bytes = cloud_bytes("." + format, scan->cloud, {.frame = run_.frame});
     return {{{"ok", true}, {"format", format}, {"bytes", bytes.size()}}, std::move(bytes)};
   }
 
@@ -221,6 +221,7 @@ class Controller : public std::enable_shared_from_this<Controller> {
 
  private:
   void take_line(Failure failure, std::size_t size) {
+    id_ = nullptr;
     if (failure == asio::error::not_found) {  // the buffer is full
       return end(fmt::format("a request is a line of at most {} bytes", longest_line));
     }

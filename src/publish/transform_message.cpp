@@ -5,26 +5,23 @@
 #include "base/throw_if-inl.h"
 #include "geometry/rotation.h"
 #include "publish/cdr.h"
+#include "publish/message_definition.h"
 
 namespace slipstream {
 
 RosType transform_type() {
-  const auto of = [](std::string_view name, std::string_view fields) {
-    return fmt::format("\n{:=>80}\nMSG: {}\n{}", "", name, fields);
-  };
-
-  return {
-      "tf2_msgs/msg/TFMessage",
-      "geometry_msgs/TransformStamped[] transforms\n" +
-          of("geometry_msgs/TransformStamped",
-             "std_msgs/Header header\nstring child_frame_id\n"
-             "geometry_msgs/Transform transform\n") +
-          of("geometry_msgs/Transform",
-             "geometry_msgs/Vector3 translation\ngeometry_msgs/Quaternion rotation\n") +
-          of("geometry_msgs/Vector3", "float64 x\nfloat64 y\nfloat64 z\n") +
-          of("geometry_msgs/Quaternion", "float64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1\n") +
-          of("std_msgs/Header", "builtin_interfaces/Time stamp\nstring frame_id\n") +
-          of("builtin_interfaces/Time", "int32 sec\nuint32 nanosec\n")};
+  return {"tf2_msgs/msg/TFMessage",
+          "geometry_msgs/TransformStamped[] transforms\n" +
+              named_definition("geometry_msgs/TransformStamped",
+                               "std_msgs/Header header\nstring child_frame_id\n"
+                               "geometry_msgs/Transform transform\n") +
+              named_definition(
+                  "geometry_msgs/Transform",
+                  "geometry_msgs/Vector3 translation\ngeometry_msgs/Quaternion rotation\n") +
+              named_definition("geometry_msgs/Vector3", "float64 x\nfloat64 y\nfloat64 z\n") +
+              named_definition("geometry_msgs/Quaternion",
+                               "float64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1\n") +
+              header_definition()};
 }
 
 void write_transform(const FramePose& pose, std::string_view camera, std::uint64_t time,

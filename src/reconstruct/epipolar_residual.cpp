@@ -149,6 +149,10 @@ EpipolarResidual epipolar_residual(const Scanner& scanner, const Cloud& cloud,
   const Size size = cloud.size();
   const Size blocks{(size.width + block_pixels - 1) / block_pixels,
                     (size.height + block_pixels - 1) / block_pixels};
+  throw_if(blocks.width * blocks.height < fewest_blocks,
+           "pictures of {} have {} blocks of {} pixels; a residual map requires {}", text_of(size),
+           blocks.width * blocks.height, block_pixels, fewest_blocks);
+
   const std::vector<SeenDistance> seen = seen_distances(scanner, cloud, distances);
 
   const auto all = [](Size) { return true; };

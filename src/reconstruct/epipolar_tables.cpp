@@ -53,10 +53,11 @@ EpipolarTables::EpipolarTables(const Scanner& camera, const Scanner& other, Axis
   std::transform(coefficients.begin(), coefficients.begin() + untilted_coefficient_count,
                  lens_.begin(), [](double k) { return static_cast<float>(k); });
   straight_ = other.camera.distortion.is_zero();
-  residual_ = other.camera.residual;
   tilted_ = coefficients[12] != 0 || coefficients[13] != 0;
   sensor_ =
       (other.camera.intrinsic * sensor_tilt(coefficients[12], coefficients[13])).cast<float>();
+
+  fill_shifts(other.camera);
 
   // 3. The rays, in the other camera's frame; solved for each pixel if the table cannot be made.
   const auto rays = ray_table(camera.camera);
@@ -101,6 +102,39 @@ void EpipolarTables::fill_depths(const Triangulator& triangulate) {
   });
 }
 
+void EpipolarTables::fill_shifts(const Lens& other) {
+  if (other.residual.terms.empty()) return;
+
+  shifts_ = Image<Shift>(other.size);
+  for_each_pixel(shifts_.size(), [&](int column, int row) {
+    const Eigen::Vector2d ideal(column, row);
+    const Eigen::Vector2d shift = shifted_by(other.residual, ideal) - ideal;
+    shifts_(column, row) = {static_cast<float>(shift.x()), static_cast<float>(shift.y())};
+  });
+}
+
+/// Bilinear interpolation; beyond the picture the shift of its rim.
+Eigen::Vector2f EpipolarTables::shift_near(const Eigen::Vector2f& ideal) const {
+  // 1. The place within the picture; in this order NaN becomes 0.
+  const int last_column = shifts_.width() - 1, last_row = shifts_.height() - 1;
+  const float x = std::min(std::max(0.0F, ideal.x()), static_cast<float>(last_column));
+  const float y = std::min(std::max(0.0F, ideal.y()), static_cast<float>(last_row));
+
+  // 2. The four pixels around it.
+  const int left = static_cast<int>(x), top = static_cast<int>(y);
+  const int right = std::min(left + 1, last_column), bottom = std::min(top + 1, last_row);
+  const auto at = [&](int column, int row) {
+    const Shift& shift = shifts_(column, row);
+    return Eigen::Vector2f(shift.x, shift.y);
+  };
+
+  // 3. Across, then down.
+  const float across = x - static_cast<float>(left), down = y - static_cast<float>(top);
+  const Eigen::Vector2f above = (1 - across) * at(left, top) + across * at(right, top);
+  const Eigen::Vector2f below = (1 - across) * at(left, bottom) + across * at(right, bottom);
+  return (1 - down) * above + down * below;
+}
+
 float EpipolarTables::inverse_depth(int column, int row, float y) const {
   const Polynomial& depth = rays_(column, row).depth;
   const float p = (y - 0.5F) / (0.5F - least_y);
@@ -122,8 +156,8 @@ Eigen::Vector2f EpipolarTables::place(int column, int row, float w) const {
   const Eigen::Vector3f pixel = sensor_ * bent.homogeneous();
   const Eigen::Vector2f ideal =
       tilted_ ? Eigen::Vector2f(pixel.hnormalized()) : Eigen::Vector2f(pixel.head<2>());
-  if (residual_.terms.empty()) return ideal;
-  return shifted_by(residual_, ideal.cast<double>()).cast<float>();
+  if (shifts_.empty()) return ideal;
+  return ideal + shift_near(ideal);
 }
 
 double EpipolarTables::coordinate_at(int column, int row, double w) const {

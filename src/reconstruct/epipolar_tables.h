@@ -58,10 +58,17 @@ class EpipolarTables {
     Polynomial depth{};
   };
 
+  /// By how much the residual map of the other camera moves a pixel.
+  struct Shift {
+    float x = 0, y = 0;
+  };
+
   [[nodiscard]] Eigen::Map<const Eigen::Vector3f> turned(int column, int row) const {
     return Eigen::Map<const Eigen::Vector3f>(rays_(column, row).turned.data());
   }
   void fill_depths(const Triangulator& triangulate);
+  void fill_shifts(const Lens& other);
+  [[nodiscard]] Eigen::Vector2f shift_near(const Eigen::Vector2f& ideal) const;
 
   Scanner scanner_;
   Axis axis_;
@@ -71,7 +78,7 @@ class EpipolarTables {
 
   std::array<float, untilted_coefficient_count> lens_{};  ///< of the other camera
   bool straight_ = true;                                  ///< the lens does not bend
-  LensResidual residual_;                                 ///< of the other camera
+  Image<Shift> shifts_;                                   ///< empty without a residual map
   bool tilted_ = false;
   Eigen::Matrix3f sensor_;  ///< from bent directions to multiples of pixels, with its tilt
 

@@ -47,14 +47,17 @@ struct Tried {
   }
 };
 
-/// Exposures from half a period on become whole multiples of it.
+/// Exposures from half a period of the light on become whole multiples of it, shorter ones whole
+/// multiples of the refreshes.
 double in_whole_periods(double exposure, const ExposureLimits& limits) {
-  const double period = limits.flicker_period;
   const double within = std::clamp(exposure, limits.shortest, limits.longest);
-  if (!(period > 0) || within < period / 2) return within;
 
-  const double periods = std::max(1.0, std::round(within / period));
-  return periods * period <= limits.longest ? periods * period : within;
+  for (const double period : {limits.flicker_period, limits.refresh_period}) {
+    if (!(period > 0) || within < period / 2) continue;
+    const double whole = std::max(1.0, std::round(within / period)) * period;
+    if (whole <= limits.longest) return whole;
+  }
+  return within;
 }
 
 /// Whether the exposures of a proposal may be set.
@@ -86,13 +89,15 @@ std::optional<double> next_exposure(const Tried& tried, const std::optional<Expo
   constexpr double few = 0.002, little = 0.002;  // of the pixels
   const double shorter = std::max(tried.shortest() / finer, limits.shortest);
   const double longer = std::min(tried.longest() * finer, limits.longest);
-  const bool can_shorten = shorter<tried.shortest(), can_lengthen = longer> tried.longest();
+  const bool can_shorten = shorter < tried.shortest();
+  const bool can_lengthen = longer > tried.longest();
 
-  // 1. No pattern is seen: towards less light if some pixels are saturated, else towards more.
+  // 1. No pattern is seen: towards less light if many pixels are saturated, else towards more. A
+  // few are defects of the camera, or glints.
   if (!advice) {
     const Image<std::uint8_t> saturated = saturation_mask(tried.scans.begin()->second);
-    const auto count = std::ranges::count(saturated, std::uint8_t{1});
-    if (count > 0 && can_shorten) {
+    const auto count = static_cast<double>(std::ranges::count(saturated, std::uint8_t{1}));
+    if (count > few * static_cast<double>(saturated.pixel_count()) && can_shorten) {
       return std::max(tried.shortest() / coarser, limits.shortest);
     }
     if (!can_lengthen) return std::nullopt;

@@ -19,8 +19,11 @@ struct ExposureLimits {
   std::size_t most = 3;  ///< exposures of one scan, 1 to 3
   /// Of all exposures of one scan together, for each pattern.
   double total = std::numeric_limits<double>::infinity();
-  /// Of the room's light: longer exposures are whole multiples of it; 0: steady.
+  /// Period of the room's light, or one that it shares with the projector's refreshes: exposures
+  /// from half of it on are whole multiples; 0: steady light.
   double flicker_period = 0;
+  /// Of the projector: shorter exposures, from half of it on, are whole multiples; 0: unknown.
+  double refresh_period = 0;
 };
 
 /// Exposures that measure nearly as many pixels as any.

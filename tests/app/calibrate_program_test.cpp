@@ -411,8 +411,8 @@ TEST_F(CalibrateProgram, CalibratesFromSavedPoints) {
   EXPECT_NEAR(first.camera.intrinsic(0, 0), second.camera.intrinsic(0, 0),
               of_frames["camera"]["focal_deviation_px"][0].get<double>());
 
-  run = run_program({"calibrate", "points", points, "--camera", "320x240", "--projector",
-                     "640x400", "-o", out.path() / "none.yaml"});
+  run = run_program({"calibrate", "points", points, "--camera", "320x240", "--projector", "640x400",
+                     "-o", out.path() / "none.yaml"});
   expect_bad_input(run, {"projector lie outside its picture of 640x400"});
   EXPECT_FALSE(fs::exists(out.path() / "none.yaml"));
 }

@@ -54,14 +54,23 @@ TEST_F(CalibrateResidualProgram, FindsALensThatIsALittleOff) {
                    path("mapped.yaml"), "--picture", path("residual.png")});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_LT(held_out_by_map(run.out), held_out(run.out, "no map") / 2) << run.out;
-  EXPECT_FALSE(read_scanner(path("mapped.yaml")).camera.residual.terms.empty());
+  const Scanner mapped = read_scanner(path("mapped.yaml"));
+  EXPECT_FALSE(mapped.camera.residual.terms.empty());
+  EXPECT_TRUE(mapped.projector.residual.terms.empty());
   EXPECT_TRUE(fs::exists(path("residual.png")));
 
   const ProgramRun again = run_program({"calibrate", "residual", path("scan"), "--scanner",
                                         path("mapped.yaml"), "-o", path("again.yaml")});
   EXPECT_EQ(again.exit_code, 0) << again.err;
 
-  // 2. Where nothing is left, nothing is written.
+  // 2. A picture of another type is refused before the file is written.
+  const ProgramRun refused =
+      run_program({"calibrate", "residual", path("scan"), "--scanner", path("off.yaml"), "-o",
+                   path("none.yaml"), "--picture", path("residual.jpg")});
+  EXPECT_EQ(refused.exit_code, 2) << refused.err;
+  EXPECT_FALSE(fs::exists(path("none.yaml")));
+
+  // 3. Where nothing is left, nothing is written.
   const ProgramRun right = run_program({"calibrate", "residual", path("scan"), "--scanner",
                                         path("right.yaml"), "-o", path("none.yaml")});
   EXPECT_EQ(right.exit_code, 2);

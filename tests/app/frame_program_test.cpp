@@ -83,7 +83,7 @@ TEST_F(FrameProgram, LiveAndItsFilesAreInTheFrame) {
   const auto live = [&](const std::string& cloud, const std::string& mcap, bool moved) {
     std::vector<std::string> arguments{"live",       "--source",  "virtual",   "--world",
                                        "ideal",      "--camera",  "160x120",   "--rate",
-                                       "0",          "--frames",  "3",         "--headless",
+                                       "0",          "--frames",  "9",         "--headless",
                                        "-o",         path(cloud), "--publish", "mcap:" + path(mcap),
                                        "--strategy", "pmp",       "--steps",   "3"};
     if (moved) arguments.insert(arguments.end(), {"--to-frame", path("base.yaml")});
@@ -98,6 +98,27 @@ TEST_F(FrameProgram, LiveAndItsFilesAreInTheFrame) {
   const StoredCloud converted = read_cloud(path("of-mcap.pcd"));
   EXPECT_EQ(frame_name(converted.cloud), "robot_base");
   EXPECT_TRUE(converted.cloud.frame->transform.isApprox(base_pose.transform, 1e-6));
+}
+
+TEST_F(FrameProgram, McapOfSeveralCloudsHasThePlaceOfTheCameraOfEach) {
+  simulate("scan");
+  expect_done({"convert", path("scan"), "-o", path("camera.pcd")});
+  FramePose other_pose = base_pose;
+  other_pose.transform.translation().x() += 50;
+  write_pose(path("other.yaml"), other_pose);
+
+  for (const std::string pose : {"base", "other"}) {
+    expect_done({"convert", path("camera.pcd"), "-o", path(pose + ".pcd"), "--to-frame",
+                 path(pose + ".yaml")});
+  }
+  expect_done({"convert", path("base.pcd"), path("other.pcd"), "-o", path("both.mcap")});
+  expect_done({"convert", path("both.mcap"), "-o", path("{window}.pcd")});
+
+  const auto pose_of = [&](const std::string& file) {
+    return read_cloud(path(file)).cloud.frame->transform;
+  };
+  EXPECT_TRUE(pose_of("000000.pcd").isApprox(base_pose.transform, 1e-6));
+  EXPECT_TRUE(pose_of("000001.pcd").isApprox(other_pose.transform, 1e-6));
 }
 
 TEST_F(FrameProgram, ConvertTakesACloudOnToTheNextFrameAndBack) {

@@ -9,6 +9,7 @@
 
 #include "io/file.h"
 #include "io/pose_file.h"
+#include "slipstream/cloud_file.h"
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
 
@@ -78,6 +79,35 @@ TEST_F(HandEyeProgram, TheTouchTestFindsAnInjectedError) {
   const ProgramRun run = touch(path("wrong.yaml"));
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.out.find("+0.500 mm in y"), std::string::npos) << run.out << run.err;
+}
+
+TEST_F(HandEyeProgram, TheTouchTestOfOnePointHasNoStandardError) {
+  rehearse({"--eye", "to-hand", "--robot-convention", "ur, m, base to tool"});
+  const auto cut = [&](const std::string& name, const std::string& to) {
+    const std::string all = contents(path(name));
+    const std::size_t first = all.find('\n');
+    write_file(path(to), all.substr(0, all.find('\n', first + 1) + 1));
+  };
+  cut("r/points.xyz", "point.xyz");
+  cut("r/touched.csv", "touched.csv");
+
+  const auto touch = [&](const std::string& points) {
+    return run_program({"calibrate", "touch", path("r/truth.yaml"), "--points", points, "--touched",
+                        path("touched.csv"), "--tip", "0,0,150", "--robot-convention",
+                        "ur, m, base to tool"});
+  };
+  const ProgramRun run = touch(path("point.xyz"));
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("mean: "), std::string::npos) << run.out;
+  EXPECT_EQ(run.out.find("nan"), std::string::npos) << run.out;
+
+  // Points in another frame are not the camera's.
+  StoredCloud stored = read_cloud(path("point.xyz"));
+  move_to_frame(stored.cloud, {.from = "camera", .to = "robot_base"});
+  write_cloud(path("moved.ply"), stored.cloud);
+  const ProgramRun refused = touch(path("moved.ply"));
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("in the frame robot_base"), std::string::npos) << refused.err;
 }
 
 TEST_F(HandEyeProgram, RefusesInOneLine) {

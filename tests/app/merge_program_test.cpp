@@ -6,6 +6,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "geometry/rotation.h"
+#include "io/file.h"
+#include "io/pose_file.h"
 #include "slipstream/cloud_file.h"
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
@@ -53,7 +56,8 @@ TEST_F(MergeProgram, JoinsTwoCloudsToAModel) {
   EXPECT_LT(document["pairs"][0]["median_mm"], 0.2);
   EXPECT_EQ(point_count(read_cloud(path("model.ply")).cloud), document["points"]);
   EXPECT_GT(point_count(read_cloud(path("model.stl")).cloud), 1000U);
-  EXPECT_NE(contents(path("report.html")).find("Loop error"), std::string::npos);
+  EXPECT_NE(contents(path("report.html")).find("No pair closes a loop"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(path("merge-overlap.png"))) << "it is in the page";
 
   // The written poses are a start for the same views, in the sense in which they were written.
   const ProgramRun again =
@@ -74,13 +78,86 @@ TEST_F(MergeProgram, RefusesPlanesAndWritesNothing) {
 
 TEST_F(MergeProgram, ReadsMetresAndNamesMixedUnits) {
   const std::string metres = shot("a.ply", relief(), first_pose, 1000);
-  const ProgramRun run =
-      run_program({"merge", metres, shot("bb.ply", relief(), second_pose, 1000), "--unit", "m"});
+  const ProgramRun run = run_program({"merge", metres, shot("bb.ply", relief(), second_pose, 1000),
+                                      "--unit", "m", "--poses", path("poses.txt")});
   EXPECT_EQ(run.exit_code, 0) << run.err;
+
+  // The poses are in metres, too.
+  EXPECT_NE(contents(path("poses.txt")).find("x y z (m)"), std::string::npos);
+  const ProgramRun again = run_program(
+      {"merge", metres, path("bb.ply"), "--unit", "m", "--start", path("poses.txt"), "--json"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(nlohmann::json::parse(again.out)["joined"], 2);
 
   const ProgramRun mixed = run_program({"merge", metres, shot("ccc.ply", relief(), second_pose)});
   EXPECT_EQ(mixed.exit_code, 2);
   EXPECT_NE(mixed.err.find("another unit"), std::string::npos) << mixed.err;
+}
+
+TEST_F(MergeProgram, BringsTheModelToAFrame) {
+  const FramePose base{"camera", "robot_base",
+                       pose_from(turned({1, 0, 0}, 90).linear(), {100, -200, 300})};
+  write_pose(path("base.yaml"), base);
+  const ProgramRun run = run_program(
+      {"merge", shot("a.ply", relief(), first_pose), shot("bb.ply", relief(), second_pose), "-o",
+       path("model.ply"), "--to-frame", path("base.yaml"), "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+
+  // The first view's camera has the given pose.
+  const auto document = nlohmann::json::parse(run.out);
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 4; ++column) {
+      EXPECT_NEAR(document["views"][0]["pose"][row][column].get<double>(),
+                  base.transform(row, column), 1e-6);
+    }
+  }
+  EXPECT_EQ(frame_name(read_cloud(path("model.ply")).cloud), "robot_base");
+}
+
+TEST_F(MergeProgram, TakesCloudsOfAnotherFrameBackToTheirCamera) {
+  const std::string first = shot("a.ply", relief(), first_pose);
+  Cloud moved = read_cloud(first).cloud;
+  move_to_frame(
+      moved, {"camera", "robot_base", pose_from(turned({1, 0, 0}, 90).linear(), {100, -200, 300})});
+  write_cloud(path("moved.ply"), moved);
+
+  const ProgramRun run =
+      run_program({"merge", path("moved.ply"), shot("bb.ply", relief(), second_pose), "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto document = nlohmann::json::parse(run.out);
+  const Eigen::Isometry3d truth = first_pose * second_pose.inverse();
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 4; ++column) {
+      EXPECT_NEAR(document["views"][1]["pose"][row][column].get<double>(), truth(row, column), 0.5);
+    }
+  }
+}
+
+TEST_F(MergeProgram, RefusesAModelMuchFinerThanTheViews) {
+  const ProgramRun run = run_program({"merge", shot("a.ply", relief(), first_pose),
+                                      shot("bb.ply", relief(), second_pose), "-o",
+                                      path("model.ply"), "--spacing", "0.01"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("mm apart"), std::string::npos) << run.err;
+}
+
+TEST_F(MergeProgram, WritesAllOutputsOrNone) {
+  const ProgramRun run = run_program(
+      {"merge", shot("a.ply", relief(), first_pose), shot("bb.ply", relief(), second_pose), "-o",
+       path("model.ply"), "--mesh", path("model.stl"), "--spacing", "5000"});
+  EXPECT_EQ(std::filesystem::exists(path("model.ply")), run.exit_code == 0) << run.err;
+  EXPECT_EQ(std::filesystem::exists(path("model.stl")), run.exit_code == 0) << run.err;
+}
+
+TEST_F(MergeProgram, RefusesAStartPoseForTwoViews) {
+  std::filesystem::create_directory(path("x"));
+  std::filesystem::create_directory(path("y"));
+  write_file(path("poses.txt"), "a.ply 0 0 0 0 0 0 1\n");
+  const ProgramRun run =
+      run_program({"merge", shot("x/a.ply", relief(), first_pose),
+                   shot("y/a.ply", relief(), second_pose), "--start", path("poses.txt")});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("for two views"), std::string::npos) << run.err;
 }
 
 }  // namespace slipstream::merge_program_test

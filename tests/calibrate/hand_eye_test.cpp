@@ -11,6 +11,7 @@
 
 #include "base/numbers.h"
 #include "base/statistics.h"
+#include "calibrate/hand_eye_report.h"
 #include "calibrate/virtual_robot.h"
 #include "geometry/rotation.h"
 #include "slipstream/error.h"
@@ -292,12 +293,47 @@ TEST(HandEye, TakesPosesByName) {
   EXPECT_NE(message_of(tables).find("no name in common"), std::string::npos);
 }
 
+TEST(HandEye, NamesTheRowsWithoutAPartner) {
+  Tables tables = tables_of(moved_robot({.seed = 8}));
+  for (int i = 0; i < 15; ++i) {
+    tables.robot.names.push_back("p" + std::to_string(i));
+    tables.boards.names.push_back(i < 8 ? "p" + std::to_string(i) : "b" + std::to_string(i));
+  }
+  tables.boards.names[14] = "p14";
+
+  const HandEye found = calibrated(tables);
+  EXPECT_EQ(found.each.size(), 9U);
+  std::vector<std::string> texts;
+  for (const Finding& finding : found.findings) texts.push_back(finding.what);
+  EXPECT_TRUE(std::ranges::count(
+      texts, "6 robot poses have no board of the same name: p8, p9, p10, p11, p12, ..."))
+      << testing::PrintToString(texts);
+  EXPECT_TRUE(std::ranges::count(
+      texts, "6 boards have no robot pose of the same name: b8, b9, b10, b11, b12, ..."));
+}
+
 TEST(HandEye, LeavesOutAPoseWithoutABoard) {
   Tables tables = tables_of(moved_robot({.seed = 9}));
   std::ranges::fill(tables.boards.rows[2], nan);
   const HandEye found = calibrated(tables);
   EXPECT_FALSE(found.each[2].used);
   EXPECT_FALSE(found.each[2].error);
+}
+
+TEST(HandEyeReport, QuotesNamesInYaml) {
+  HandEye found;
+  found.each = {{.name = "say \"p1\" in C:\\poses\n", .reason = "a \"reason\""}};
+  const std::string text = residuals_yaml(found);
+  EXPECT_NE(text.find(R"(- name: "say \"p1\" in C:\\poses\x0a")"), std::string::npos) << text;
+  EXPECT_NE(text.find(R"(reason: "a \"reason\"")"), std::string::npos) << text;
+}
+
+TEST(HandEyeReport, LeavesOutErrorsThatAreNotMeasured) {
+  HandEye found = calibrated(tables_of(moved_robot({.seed = 8})));
+  EXPECT_NE(text_of(found).find("held out"), std::string::npos);
+  found.mean_left_out = {nan, nan};
+  EXPECT_EQ(text_of(found).find("held out"), std::string::npos);
+  EXPECT_EQ(text_of(found).find("nan"), std::string::npos) << text_of(found);
 }
 
 }  // namespace slipstream::hand_eye_test

@@ -75,9 +75,14 @@ bool is_without_redundancy(const Scan& scan) {
          order_source(scan.sequence.strategy.layout()) == OrderSource::bands;
 }
 
-/// Of the disturbed scans without a finding, by disturbance.
-std::map<std::string, Shown>& silent_scans() {
-  static std::map<std::string, Shown> all;
+/// The disturbed scans so far.
+struct Tally {
+  int disturbed = 0, silent = 0;
+  std::map<std::string, Shown> shown{};  ///< of those without a finding, by disturbance
+};
+
+Tally& tally() {
+  static Tally all;
   return all;
 }
 
@@ -103,11 +108,14 @@ TEST_P(DisturbedScans, ShowHardlyAWrongPointWithoutAFinding) {
   const int number = GetParam();
   if (number == scan_count) {
     Shown all;
-    for (const auto& [name, shown] : silent_scans()) {
+    for (const auto& [name, shown] : tally().shown) {
       fmt::print("{}: {} points without a finding, {} wrong\n", name, shown.points, shown.wrong);
       all.points += shown.points;
       all.wrong += shown.wrong;
     }
+    fmt::print("{} disturbed scans, {} reported; the others have {} points, {} wrong\n",
+               tally().disturbed, tally().disturbed - tally().silent, all.points, all.wrong);
+
     ASSERT_GT(all.points, 0U) << "the share is of the cases before; run the whole suite";
     EXPECT_LE(1000 * all.wrong, all.points);
     return;
@@ -117,14 +125,17 @@ TEST_P(DisturbedScans, ShowHardlyAWrongPointWithoutAFinding) {
   for (const Mistake& disturbance : disturbances(right.scan, number % right.scan.frames.count())) {
     Scan scan = right.scan;
     disturbance.make(scan);
-    if (!check_scan(scan).findings.empty()) continue;
+    const bool is_silent = check_scan(scan).findings.empty();
+    ++tally().disturbed;
+    if (!is_silent) continue;
+    ++tally().silent;
     if (disturbance.name == "flicker" && is_without_redundancy(scan)) continue;
 
     const Shown shown = shown_points(scan, right.truth.depth);
     EXPECT_LE(1000 * shown.wrong, shown.points)
         << right.name << ", " << disturbance.name << ", scan " << number << " of seed 42";
-    silent_scans()[disturbance.name].points += shown.points;
-    silent_scans()[disturbance.name].wrong += shown.wrong;
+    tally().shown[disturbance.name].points += shown.points;
+    tally().shown[disturbance.name].wrong += shown.wrong;
   }
 }
 

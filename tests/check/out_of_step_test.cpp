@@ -176,7 +176,8 @@ TEST_P(OutOfStep, IsRefusedWhereTheCloudIsOff) {
     scan.scanner->calibrated_depths = skull_depths;
   }
 
-  const Table table = table_of(fmt::format("{}, {}", scene, strategy.name()), scan, percent_step);
+  const std::string name = scene.empty() ? "skull" : fmt::format("{}, {}", scene, strategy.name());
+  const Table table = table_of(name, scan, percent_step);
   EXPECT_EQ(table.missed, 0);
   all.made += table.made;
   all.harmful += table.harmful;

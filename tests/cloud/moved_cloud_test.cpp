@@ -32,7 +32,7 @@ double largest_difference(const Cloud& a, const Cloud& b) {
   double largest = 0;
   for_each_pixel_in_order(a.size(), [&](int column, int row) {
     if (a.validity(column, row) != Validity::valid) return;
-    const auto apart = position_at(a, column, row) - position_at(b, column, row);
+    const Eigen::Vector3d apart = position_at(a, column, row) - position_at(b, column, row);
     largest = std::max(largest, apart.norm());
   });
   return largest;

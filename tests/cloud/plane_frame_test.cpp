@@ -44,6 +44,12 @@ TEST(PlaneFrame, FirstPlaneSetsZAndSaysHowOblique) {
   EXPECT_NEAR(found.off_square[1] / degree, 0, 1e-9);
 }
 
+TEST(PlaneFrame, SaysInWhichDirectionTheAngleIsOff) {
+  std::array<FittedPlane, 3> faces = faces_at(pose_from(Eigen::Matrix3d::Identity(), {0, 0, 600}));
+  faces[1].normal = rotation_of_vector({-2 * degree, 0, 0}) * faces[1].normal;
+  EXPECT_NEAR(frame_of_planes(faces).off_square[0] / degree, -2, 1e-9);
+}
+
 TEST(PlaneFrame, RefusesPlanesThatDoNotMeetInAPoint) {
   const Eigen::Isometry3d part = pose_from(Eigen::Matrix3d::Identity(), {0, 0, 600});
   std::array<FittedPlane, 3> faces = faces_at(part);

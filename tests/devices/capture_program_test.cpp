@@ -107,10 +107,9 @@ TEST_F(CaptureProgram, ScansTheVirtualScannerAndItsReplay) {
 // Two exposures measure 98 % of the lit pixels of this scene, one 52 %.
 TEST_F(CaptureProgram, ChoosesItsExposures) {
   const std::string scan = in_folder("scan");
-  const ProgramRun run =
-      run_program({"capture", "--source", "virtual", "--world", "ideal", "--scene", "contrast",
-                   "--camera", "160x120", "--strategy", "pmp", "--steps", "4", "--auto", "60", "-o",
-                   scan, "--json"});
+  const ProgramRun run = run_program({"capture", "--source", "virtual", "--world", "ideal",
+                                      "--scene", "contrast", "--camera", "160x120", "--strategy",
+                                      "pmp", "--steps", "4", "--auto", "60", "-o", scan, "--json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const auto document = nlohmann::json::parse(run.out);
   EXPECT_GE(document["automatic"]["exposures"].size(), 2U);

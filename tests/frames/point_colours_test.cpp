@@ -21,7 +21,7 @@ Image<std::uint8_t> plain(std::uint8_t red, std::uint8_t green, std::uint8_t blu
 }
 
 TEST(PointColoursColourMean, IsThatOfItsPictures) {
-  PointColoursColourMean mean;
+  ColourMean mean;
   mean.add(plain(10, 100, 200));
   mean.add(plain(20, 100, 230));
   const Image<ColourLevels> levels = mean.levels(255);
@@ -32,17 +32,17 @@ TEST(PointColoursColourMean, IsThatOfItsPictures) {
 }
 
 TEST(PointColoursColourMean, OfGreyPicturesIsEmpty) {
-  PointColoursColourMean mean;
+  ColourMean mean;
   EXPECT_TRUE(mean.levels(255).empty());
   mean.add(plain(80, 80, 80));
   EXPECT_TRUE(mean.levels(255).empty());
 }
 
 TEST(PointColoursWhiteBalance, MakesThePatchGreyAndKeepsTheBrightestColour) {
-  PointColoursColourMean mean;
+  ColourMean mean;
   mean.add(plain(100, 200, 50));
   const Image<ColourLevels> levels = mean.levels(255);
-  const PointColoursWhiteBalance balance = white_balance(levels, {1, 1, {2, 2}});
+  const WhiteBalance balance = white_balance(levels, {1, 1, {2, 2}});
   EXPECT_NEAR(balance[0], 2, 1e-6);
   EXPECT_EQ(balance[1], 1);
   EXPECT_NEAR(balance[2], 4, 1e-6);
@@ -51,7 +51,7 @@ TEST(PointColoursWhiteBalance, MakesThePatchGreyAndKeepsTheBrightestColour) {
 
 TEST(PointColoursWhiteBalance, RefusesAPatchOutsideOrTooDarkOrSaturated) {
   const auto refusal = [](const Image<std::uint8_t>& picture, const Rectangle& patch) {
-    PointColoursColourMean mean;
+    ColourMean mean;
     mean.add(picture);
     try {
       white_balance(mean.levels(255), patch);

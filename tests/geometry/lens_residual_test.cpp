@@ -93,6 +93,8 @@ TEST(LensResidual, IsRefusedUnlessItIsComplete) {
   Scanner scanner = example_scanner();
   scanner.projector.residual.terms.resize(4, Eigen::Vector2d::Zero());
   expect_error([&] { require_valid(scanner); }, {"projector: invalid residual map"});
+  scanner.projector.residual.terms.resize(1);
+  expect_error([&] { require_valid(scanner); }, {"projector: invalid residual map"});
 
   scanner = example_scanner();
   scanner.camera.residual = bent_lens(2).residual;

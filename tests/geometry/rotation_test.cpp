@@ -120,6 +120,7 @@ TEST(Rotation, RefusesWhatIsNoneAndSaysHowFarOff) {
   EXPECT_NE(message_of([&] { quaternion(0.6, 0.7); }).find("norm is 0.921954"), std::string::npos);
   EXPECT_THROW(quaternion(nan, 1), Error);
   EXPECT_THROW(rotation_of_vector({nan, 0, 0}), Error);
+  EXPECT_THROW(rotation_of_vector({1e200, 0, 0}), Error);
   EXPECT_THROW(rotation_of_euler({0, nan, 0}, {}), Error);
 }
 

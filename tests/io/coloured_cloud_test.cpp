@@ -119,7 +119,8 @@ TEST_F(ColouredCloud, InGltfIsLinearAndWithoutATextureThatWouldMultiplyIt) {
   std::memcpy(&length, file.data() + 12, 4);
   const auto document = nlohmann::json::parse(file.substr(20, length));
   const auto& primitive = document["meshes"][0]["primitives"][0];
-  const auto& accessor = document["accessors"].at(primitive["attributes"]["COLOR_0"]);
+  const std::size_t colours = primitive["attributes"]["COLOR_0"];
+  const auto& accessor = document["accessors"][colours];
   EXPECT_EQ(accessor["componentType"], 5123) << "unsigned short";
   EXPECT_EQ(accessor["type"], "VEC4");
   EXPECT_EQ(accessor["normalized"], true);
@@ -127,7 +128,8 @@ TEST_F(ColouredCloud, InGltfIsLinearAndWithoutATextureThatWouldMultiplyIt) {
   EXPECT_FALSE(document.contains("textures"));
   EXPECT_FALSE(document["materials"][0]["pbrMetallicRoughness"].contains("baseColorTexture"));
 
-  const std::size_t offset = document["bufferViews"].at(accessor["bufferView"])["byteOffset"];
+  const std::size_t view = accessor["bufferView"];
+  const std::size_t offset = document["bufferViews"][view]["byteOffset"];
   EXPECT_EQ(offset % 4, 0U);
   const char* at = file.data() + 20 + length + 8 + offset;
   for (const auto& [red, green, blue] : surface.colour) {

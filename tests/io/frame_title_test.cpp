@@ -36,7 +36,7 @@ double largest_distance(const Cloud& expected, const Cloud& found) {
     double nearest = std::numeric_limits<double>::infinity();
     for_each_pixel_in_order(found.size(), [&](int other, int line) {
       if (found.validity(other, line) != Validity::valid) return;
-      const auto apart = position_at(expected, column, row) - position_at(found, other, line);
+      const Eigen::Vector3d apart = position_at(expected, column, row) - position_at(found, other, line);
       nearest = std::min(nearest, apart.norm());
     });
     largest = std::max(largest, nearest);

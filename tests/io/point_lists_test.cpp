@@ -68,7 +68,7 @@ std::string table(const std::string& header, const std::string& columns, const c
   return text;
 }
 
-class PointLists : public testing::Test {
+class PointListsInFiles : public testing::Test {
  protected:
   fs::path write(const std::string& name, const std::string& text) {
     write_file(folder_.path() / name, text);
@@ -78,13 +78,13 @@ class PointLists : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(PointLists, AreReadAsTheyAreWritten) {
+TEST_F(PointListsInFiles, AreReadAsTheyAreWritten) {
   const fs::path path = folder_.path() / "points.csv";
   write_point_list(path, known());
   expect_known(read_point_lists(path));
 }
 
-TEST_F(PointLists, MayBeTablesWithAndWithoutNames) {
+TEST_F(PointListsInFiles, MayBeTablesWithAndWithoutNames) {
   for (const auto& [header, columns, between] :
        {std::tuple("", "pxyuvst", " "), std::tuple("", "pxyzuvst", ","),
         std::tuple("# circles of May\n", "pxyuvst", "\t"),
@@ -96,7 +96,7 @@ TEST_F(PointLists, MayBeTablesWithAndWithoutNames) {
   }
 }
 
-TEST_F(PointLists, MayBeAFileForEachPoseOrKind) {
+TEST_F(PointListsInFiles, MayBeAFileForEachPoseOrKind) {
   // 1. A whole table for each pose.
   std::string text = table("", "xyzuvst", " ");
   const std::size_t half = text.find("200.5");
@@ -115,7 +115,7 @@ TEST_F(PointLists, MayBeAFileForEachPoseOrKind) {
   expect_known(read_point_lists(folder_.path()));
 }
 
-TEST_F(PointLists, MayBeArraysOfNumPy) {
+TEST_F(PointListsInFiles, MayBeArraysOfNumPy) {
   std::vector<double> board, camera, projector, camera_columns;
   for (const PosePoints& pose : known()) {
     for (std::size_t i = 0; i < 6; ++i) {
@@ -149,7 +149,7 @@ TEST_F(PointLists, MayBeArraysOfNumPy) {
   EXPECT_EQ(read.poses[1].board, known()[1].board);
 }
 
-TEST_F(PointLists, MayLackPixels) {
+TEST_F(PointListsInFiles, MayLackPixels) {
   const PointLists read = read_point_lists(write(
       "points.csv",
       "pose,x,y,u,v,up,vp\na,0,0,1,2,,\na,1,0,nan,nan,3,4\na,1,1,-1,-1,5,6\na,0,1,7,8,0,0\n"));
@@ -162,7 +162,38 @@ TEST_F(PointLists, MayLackPixels) {
   EXPECT_EQ(read.poses[0].projector[1], Eigen::Vector2d(3, 4));
 }
 
-TEST_F(PointLists, SayWhatIsMissing) {
+TEST_F(PointListsInFiles, MayHaveLinesOfOnlyBracketsOrQuotes) {
+  for (const char* const line : {"[\n", "]\n", "\"\"\n", "# []\n"}) {
+    SCOPED_TRACE(line);
+    const std::string text = table("", "pxyuvst", " ");
+    expect_known(read_point_lists(write("points.txt", line + text)));
+    expect_known(read_point_lists(write("points.txt", text + line)));
+  }
+}
+
+TEST_F(PointListsInFiles, KeepLongNumbersOfPosesApart) {
+  const PointLists read =
+      read_point_lists(write("points.csv",
+                             "pose,x,y,u,v,up,vp\n20240101,0,0,1,2,3,4\n20240101,1,0,2,2,4,4\n"
+                             "20240102,0,0,1,2,3,4\n20240102,1,0,2,2,4,4\n"));
+  ASSERT_EQ(read.poses.size(), 2U);
+  EXPECT_EQ(read.poses[0].name, "pose20240101");
+  EXPECT_EQ(read.poses[1].name, "pose20240102");
+}
+
+TEST_F(PointListsInFiles, MayBeHundredsOfArrays) {
+  std::vector<std::pair<std::string, std::string>> files{
+      {"board.npy", npy_of(std::vector<double>{0, 0, 10, 0}, "2, 2")}};
+  for (int pose = 0; pose < 150; ++pose) {
+    files.emplace_back(fmt::format("cam_{}.npy", pose),
+                       npy_of(std::vector<double>{1, 2, 3, 4}, "2, 2"));
+    files.emplace_back(fmt::format("proj_{}.npy", pose),
+                       npy_of(std::vector<double>{5, 6, 7, 8}, "2, 2"));
+  }
+  EXPECT_EQ(read_point_lists(write("points.npz", zip_of(files, false))).poses.size(), 150U);
+}
+
+TEST_F(PointListsInFiles, SayWhatIsMissing) {
   const auto expect_refused = [&](const std::string& text,
                                   std::initializer_list<std::string> parts) {
     const fs::path path = write("points.csv", text);

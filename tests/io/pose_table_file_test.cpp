@@ -54,6 +54,25 @@ TEST(PoseTableFile, TakesTheColumnsThatItIsTold) {
   EXPECT_EQ(table.names[1], "two");
 }
 
+TEST(PoseTableFile, LeavesOutTheColumnsThatItIsTold) {
+  EXPECT_EQ(lines("9,1,2,3,4,5,6\n", "-,j1,j2,j3,j4,j5,j6").rows[0], (Row{1, 2, 3, 4, 5, 6}));
+
+  // No robtarget of an ABB controller, though it has 17 numbers.
+  const std::string joints = ",j1,j2,j3,j4,j5,j6,j7,j8,j9,j10,j11";
+  expect_refused("x,y,z,r,s,t" + joints + "\n1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17\n",
+                 "line 2: 17 numbers");
+  EXPECT_EQ(
+      lines("1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17\n", "q,-,-,-,-,-,-,x,y,z,a,b,c,-,-,-,-")
+          .rows[0],
+      (Row{8, 9, 10, 11, 12, 13}));
+}
+
+TEST(PoseTableFile, NamesMayHaveBlanks) {
+  const PoseTable table = lines(
+      "name,x,y,z,rx,ry,rz\nPose 1,1,2,3,4,5,6\n \"Pose 2\" ,1,2,3,4,5,7\nPose 3,1,2,3,4,5,8\n");
+  EXPECT_EQ(table.names, (std::vector<std::string>{"Pose 1", "Pose 2", "Pose 3"}));
+}
+
 TEST(PoseTableFile, ReadsProgramsOfRobots) {
   const PoseTable kuka = lines(
       "DEFDAT poses\nDECL E6POS XP1={X 100.5,Y -2,Z 3,A 10,B 20,C 30,S 2,T 35,E1 0.0}\n"
@@ -65,8 +84,39 @@ TEST(PoseTableFile, ReadsProgramsOfRobots) {
       "CONST robtarget p10:=[[1,2,3],[0.5,0.5,0.5,0.5],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];\n");
   EXPECT_EQ(abb.rows[0], (Row{1, 2, 3, 0.5, 0.5, 0.5, 0.5}));
 
+  const PoseTable whole = lines(
+      "CONST robtarget p10:=[[1,2,3],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];\n"
+      "CONST robtarget p20:=[[4,5,6],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];\n");
+  ASSERT_EQ(whole.rows.size(), 2U);
+  EXPECT_EQ(whole.rows[1], (Row{4, 5, 6, 0, 1, 0, 0}));
+  EXPECT_EQ(whole.names[1], "p20");
+
   const PoseTable ur = lines("p[0.1,0.2,0.3,1,2,3]\np[0.4,0.5,0.6,1,2,3]\n");
   EXPECT_EQ(ur.rows[1], (Row{0.4, 0.5, 0.6, 1, 2, 3}));
+}
+
+TEST(PoseTableFile, ReadsMotionsOfRobots) {
+  const PoseTable kuka = lines(
+      "PTP {X 1,Y 2,Z 3,A 4,B 5,C 6} C_PTP\nLIN {X 7,Y 8,Z 9,A 4,B 5,C 6}\n"
+      "LIN {X 10,Y 8,Z 9,A 4,B 5,C 6} C_DIS\n");
+  ASSERT_EQ(kuka.rows.size(), 3U);
+  EXPECT_EQ(kuka.rows[2], (Row{10, 8, 9, 4, 5, 6}));
+  EXPECT_TRUE(kuka.names.empty());
+
+  const std::string rest = "[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v100,z50,tool0;\n";
+  const PoseTable abb = lines("MoveJ [[1,2,3],[1,0,0,0]," + rest + "MoveL [[4,5,6],[1,0,0,0]," +
+                              rest + "MoveL [[7,5,6],[1,0,0,0]," + rest);
+  ASSERT_EQ(abb.rows.size(), 3U);
+  EXPECT_EQ(abb.rows[2], (Row{7, 5, 6, 1, 0, 0, 0}));
+  EXPECT_TRUE(abb.names.empty());
+
+  const PoseTable ur = lines(
+      "  movej(p[0.1,0.2,0.3,1,2,3], a=1.4, v=1.05)\n  movel(p[0.4,0.5,0.6,1,2,3], a=1.2, v=0.25)\n"
+      "  movel(p[0.7,0.5,0.6,1,2,3])\n");
+  ASSERT_EQ(ur.rows.size(), 3U);
+  EXPECT_EQ(ur.rows[1], (Row{0.4, 0.5, 0.6, 1, 2, 3}));
+  EXPECT_TRUE(ur.names.empty());
+  EXPECT_EQ(lines("first = p[1,2,3,4,5,6]\nsecond = p[1,2,3,4,5,7]\n").names[1], "second");
 }
 
 TEST(PoseTableFile, ReadsYaml) {
@@ -76,6 +126,12 @@ TEST(PoseTableFile, ReadsYaml) {
       "z: 3, y: 2, x: 1}\n");
   EXPECT_EQ(table.rows[0], table.rows[1]);
   EXPECT_EQ(table.names[1], "b");
+
+  const PoseTable numbered = yaml("- {id: 7, x: 1, y: 2, z: 3, rx: 4, ry: 5, rz: 6}\n");
+  EXPECT_EQ(numbered.names[0], "7");
+  const PoseTable listed = yaml("- {name: 12, pose: [1, 2, 3, 4, 5, 6]}\n");
+  EXPECT_EQ(listed.rows[0], (Row{1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(listed.names[0], "12");
 
   const PoseTable ros =
       yaml("- orientation: {x: 0.1, y: 0.2, z: 0.3, w: 0.9}\n  position: {x: 1, y: 2, z: 3}\n");

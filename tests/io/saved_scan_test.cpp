@@ -58,6 +58,8 @@ TEST(SavedScan, OfACameraThatJoinsPixelsSinceTheCalibrationHasItsLens) {
   calibrated.camera.intrinsic.topRows<2>() *= 2;
   calibrated.camera.intrinsic(0, 2) += 0.5;
   calibrated.camera.intrinsic(1, 2) += 0.5;
+  calibrated.camera.residual = {
+      .centre = {47.5, 35.5}, .half = {48, 36}, .terms = {{0.1, -0.2}, {0.3, 0.1}, {-0.2, 0.4}}};
 
   save_scan(folder.path() / "scan", some_scan().frames, sequence, std::nullopt);
   const fs::path file = folder.path() / "larger.yaml";
@@ -72,6 +74,9 @@ TEST(SavedScan, OfACameraThatJoinsPixelsSinceTheCalibrationHasItsLens) {
   ASSERT_TRUE(read.scanner);
   EXPECT_TRUE(read.scanner->camera.intrinsic.isApprox(scanner.camera.intrinsic, 1e-9));
   EXPECT_EQ(read.scanner->camera.size, scanner.camera.size);
+
+  const Eigen::Vector2d binned = shift_at(read.scanner->camera.residual, {10, 8});
+  EXPECT_LT((2 * binned - shift_at(calibrated.camera.residual, {20.5, 16.5})).norm(), 1e-9);
 }
 
 // By the light, the green channel would be read.

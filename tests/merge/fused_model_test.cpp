@@ -1,7 +1,9 @@
 // Models of views whose noise and surface are known.
 #include "merge/fused_model.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -104,6 +106,12 @@ TEST(FusedModelMeshOf, LiesOnTheSurfaceAndFacesOutwards) {
   const ModelMesh mesh = mesh_of(model);
 
   ASSERT_GT(mesh.triangles.size(), model.points.size());
+  std::vector<bool> is_corner(mesh.vertices.size());
+  for (const auto& triangle : mesh.triangles) {
+    for (const std::uint32_t corner : triangle) is_corner.at(corner) = true;
+  }
+  EXPECT_EQ(std::ranges::count(is_corner, false), 0);
+
   std::size_t turned_away = 0;
   for (const auto& [a, b, c] : mesh.triangles) {
     const Eigen::Vector3f& first = mesh.vertices[a].position;

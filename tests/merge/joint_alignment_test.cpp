@@ -2,6 +2,7 @@
 #include "merge/joint_alignment.h"
 
 #include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -75,6 +76,33 @@ TEST(JointAlignmentJoinViews, StartsFromRoughPoses) {
   JointSettings settings;
   settings.starts = {Eigen::Isometry3d::Identity(), views.truth[1] * turned({0, 0, 1}, 0.5)};
   expect_right(join_views(views.prepared, settings), views, 1);
+}
+
+TEST(JointAlignmentJoinViews, StartsFromPosesThatAreOffByACell) {
+  const MeshTree object(relief());
+  const Views views = views_of({{&object, before_camera(turned({0, 1, 0}, 0))},
+                                {&object, before_camera(turned({0, 1, 0.3}, 15))}},
+                               0.05);
+
+  JointSettings settings;
+  settings.starts = {Eigen::Isometry3d::Identity(),
+                     views.truth[1] * Eigen::Translation3d(0, 0, 10)};
+  expect_right(join_views(views.prepared, settings), views, 1);
+}
+
+TEST(JointAlignmentJoinViews, SaysWhichViewHasNoStart) {
+  const MeshTree object(relief());
+  const Views views = views_of({{&object, before_camera(turned({0, 1, 0}, 0))},
+                                {&object, before_camera(turned({0, 1, 0.3}, 15))},
+                                {&object, before_camera(turned({0, 1, 0.3}, 20))}},
+                               0.05);
+
+  JointSettings settings;
+  settings.starts = {Eigen::Isometry3d::Identity(), views.truth[1], std::nullopt};
+  const JointAlignment joint = join_views(views.prepared, settings);
+  EXPECT_EQ(joint.joined(), 2U);
+  EXPECT_EQ(joint.reasons[2], "no start pose is given for it");
+  EXPECT_TRUE(joint.misfits.empty());
 }
 
 }  // namespace slipstream::joint_alignment_test

@@ -21,10 +21,11 @@ struct Pair {
 };
 
 Pair pair_of(const Mesh& object, const Eigen::Isometry3d& first_pose,
-             const Eigen::Isometry3d& second_pose, double noise, unsigned seed = 1) {
+             const Eigen::Isometry3d& second_pose, double noise, unsigned seed = 1,
+             Size size = {240, 180}) {
   const MeshTree tree(object);
-  std::vector<View> views{view_at(tree, first_pose, noise, 2 * seed),
-                          view_at(tree, second_pose, noise, 2 * seed + 1)};
+  std::vector<View> views{view_at(tree, first_pose, noise, 2 * seed, "first", size),
+                          view_at(tree, second_pose, noise, 2 * seed + 1, "second", size)};
   const float cell = keypoint_cell(views);
   return {PreparedView(std::move(views[0]), cell), PreparedView(std::move(views[1]), cell),
           first_pose * second_pose.inverse()};
@@ -75,6 +76,14 @@ TEST(PairAlignmentAlignViews, RefusesAPartThatRepeatsItself) {
   EXPECT_EQ(found.refusal, Refusal::repeats) << found.reason;
 }
 
+TEST(PairAlignmentAlignViews, RefusesARepeatedPartOfFewPoints) {
+  const Pair pair =
+      pair_of(ring_of_cones(4), front, before_camera(turned({0, 1, 0}, 15)), 0.1, 1, {90, 68});
+  ASSERT_LT(pair.first.view().size(), 2000U);
+  const PairAlignment found = align_views(pair.first, pair.second);
+  EXPECT_EQ(found.refusal, Refusal::repeats) << found.reason;
+}
+
 TEST(PairAlignmentAlignViews, RefusesViewsOfDifferentObjects) {
   std::vector<View> views{view_at(MeshTree(large_statue()), front, 0.1, 1),
                           view_at(MeshTree(relief()), front, 0.1, 2)};
@@ -97,6 +106,14 @@ TEST(PairAlignmentRefineAlignment, ExpectsTheDistancesThatTheNoiseMakes) {
   const Pair pair = pair_of(relief(), front, other, 0.1);
   const PairAlignment found = alignment_at(pair.first, pair.second, pair.truth);
   EXPECT_NEAR(found.median / found.noise, 1, 0.1);
+}
+
+TEST(PairAlignmentRoughOverlapAt, AllowsForPosesThatAreOffByTwoCells) {
+  const Pair pair = pair_of(relief(), front, before_camera(turned({0, 1, 0.4}, 12)), 0.05);
+  const double cell = pair.first.keypoints().cell;
+  const Eigen::Isometry3d off = pair.truth * Eigen::Translation3d(0, 0, 2 * cell);
+  EXPECT_LT(overlap_at(pair.first, pair.second, off), 0.15);
+  EXPECT_GT(rough_overlap_at(pair.first, pair.second, off), 0.3);
 }
 
 /// Pairs of several overlaps, by their noise, mm.

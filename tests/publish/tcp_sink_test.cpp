@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <arpa/inet.h>
@@ -67,9 +68,13 @@ class Connection {
 
 class TcpSink : public testing::Test {
  protected:
-  TcpSink() {
+  TcpSink() { open({}); }
+
+  /// Publishes in that frame; null: the camera's.
+  void open(std::shared_ptr<const FramePose> frame) {
     sink_ = open_sink(
         "tcp:0", {.camera = camera(),
+                  .frame = std::move(frame),
                   .statistics = [] { return R"({"track": {"centre_mm": [1, 2, 3]}})"; },
                   .trouble = [] { return ""; },
                   .save = [] { return "scans/scan-1"; },
@@ -92,6 +97,16 @@ class TcpSink : public testing::Test {
     return connection.answer();
   }
 
+  /// The cloud of the last scan, as a file of so many bytes.
+  [[nodiscard]] static Cloud cloud(const Connection& connection, const std::string& format) {
+    const json head = connection.ask(R"({"do": "cloud", "format": ")" + format + "\"}");
+    EXPECT_EQ(head["ok"], true) << head;
+    const TemporaryFolder folder;
+    const auto path = folder.path() / ("cloud." + format);
+    put_bytes(path, connection.bytes(head["bytes"]));
+    return read_cloud(path).cloud;
+  }
+
   std::unique_ptr<CloudSink> sink_;
   std::uint16_t port_ = 0;
   std::string changed_;
@@ -110,16 +125,38 @@ TEST_F(TcpSink, GivesTheCloudOfFramesTakenAfterTheRequestAndNoOlderOne) {
   EXPECT_GE(taken["frame"], 10);
   EXPECT_EQ(taken["width"], size.width);
 
-  // The cloud, as a file of so many bytes.
+  // The cloud in each format.
   for (const std::string format : {"ply", "pcd", "xyz"}) {
-    const json head = connection.ask(R"({"do": "cloud", "format": ")" + format + "\"}");
-    ASSERT_EQ(head["ok"], true) << head;
-    const TemporaryFolder folder;
-    const auto path = folder.path() / ("cloud." + format);
-    put_bytes(path, connection.bytes(head["bytes"]));
-    const Cloud cloud = read_cloud(path).cloud;
-    EXPECT_EQ(point_count(cloud), taken["points"]);
+    EXPECT_EQ(point_count(cloud(connection, format)), taken["points"]);
   }
+}
+
+TEST_F(TcpSink, GivesThePointsInTheFrameThatTheRunPublishes) {
+  const Eigen::Isometry3d pose(Eigen::Translation3d(100, 200, 300));
+  open(std::make_shared<const FramePose>(FramePose{"camera", "robot_base", pose}));
+  const Connection connection(port_);
+  ASSERT_EQ(scan(connection)["ok"], true);
+
+  const Cloud moved = cloud(connection, "pcd");
+  EXPECT_EQ(frame_name(moved), "robot_base");
+  ASSERT_NE(moved.frame, nullptr);
+  EXPECT_TRUE(moved.frame->transform.isApprox(pose, 1e-6));
+  for (std::size_t i = 0; i < moved.z.pixel_count(); ++i) {
+    if (moved.validity.begin()[i] == Validity::valid) {
+      ASSERT_GT(moved.z.begin()[i], 799);
+    }
+  }
+}
+
+// Formats are named as the endings of files, in any case of letters.
+TEST_F(TcpSink, GivesTheFormatInCapitalLettersToo) {
+  const Connection connection(port_);
+  ASSERT_EQ(scan(connection)["ok"], true);
+  const json head = connection.ask(R"({"do": "cloud", "format": "PLY"})");
+  ASSERT_EQ(head["ok"], true) << head;
+  const std::vector<std::uint8_t> bytes = connection.bytes(head["bytes"]);
+  ASSERT_GT(bytes.size(), 3U);
+  EXPECT_EQ(std::string(bytes.begin(), bytes.begin() + 3), "ply");
 }
 
 TEST_F(TcpSink, AnswersTheOtherRequestsWithTheirIdentifier) {
@@ -155,6 +192,14 @@ TEST_F(TcpSink, SaysWhatIsWrongAndGoesOn) {
 
   ASSERT_EQ(scan(connection)["ok"], true);
   EXPECT_NE(refusal(R"({"do": "cloud", "format": "stl"})").find("stl"), std::string::npos);
+}
+
+TEST_F(TcpSink, RefusesALineWithoutTheIdentifierOfTheRequestBefore) {
+  const Connection connection(port_);
+  EXPECT_EQ(connection.ask(R"({"do": "status", "id": 7})")["id"], 7);
+  const json refusal = connection.ask("no request");
+  EXPECT_EQ(refusal["ok"], false);
+  EXPECT_FALSE(refusal.contains("id")) << refusal;
 }
 
 // A browser's script can make its browser send such lines, after those of HTTP.

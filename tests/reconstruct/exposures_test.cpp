@@ -74,6 +74,9 @@ TEST(Exposures, NoiseOfPointsIsAsPredictedWhicheverExposuresTheyAreOf) {
   for (int row = 0; row < cloud.size().height; ++row) {
     for (int column = 0; column < cloud.size().width; ++column) {
       if (cloud.validity(column, row) != Validity::valid) continue;
+
+      // Beside edges sigma has more than noise.
+      if (sigma.z(column, row) > 1.05F * sigma.z_of_noise(column, row)) continue;
       const double error = maps.coordinate(column, row) - scan.coordinate(column, row);
       if (!std::isfinite(error)) continue;
       Errors& errors = by_gain[views.gain()(column, row)];

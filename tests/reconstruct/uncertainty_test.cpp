@@ -10,8 +10,8 @@
 #include "slipstream/named_scenes.h"
 #include "slipstream/strategy.h"
 #include "slipstream/virtual_scanner.h"
-#include "tests/simulate/traced_scene.h"
 #include "slipstream/virtual_world.h"
+#include "tests/simulate/traced_scene.h"
 
 namespace slipstream::uncertainty_test {
 

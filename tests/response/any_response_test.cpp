@@ -147,7 +147,7 @@ class Bench {
     for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
       const double error = static_cast<double>(cloud.z.begin()[i]) - world_.depth.begin()[i];
       if (!std::isfinite(error)) continue;
-      sum += std::pow(error / static_cast<double>(sigma.z.begin()[i]), 2);
+      sum += std::pow(error / static_cast<double>(sigma.z_of_noise.begin()[i]), 2);
       ++count;
     }
     return std::sqrt(sum / count);

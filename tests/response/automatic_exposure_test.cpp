@@ -171,6 +171,28 @@ TEST(AutomaticExposure, IsWholePeriodsOfTheRoomsLight) {
   }
 }
 
+// As at 60 Hz under mains of 50 Hz, whose common period is three refreshes.
+TEST(AutomaticExposure, IsWholeRefreshesWhereItIsTooShortForThePeriodsOfTheLight) {
+  const VirtualShots shots("statue", 0.05);  // exposures of about 10
+  const auto chosen = [&](double flicker, double refresh) {
+    return choose(shots, {.longest = 200, .flicker_period = flicker, .refresh_period = refresh})
+        .exposures;
+  };
+
+  const std::vector<double> unrounded = chosen(0, 0), whole = chosen(1000, 4);
+  EXPECT_TRUE(std::ranges::any_of(unrounded, [](double exposure) { return exposure >= 2; }));
+  for (const double exposure : whole) {
+    if (exposure < 2) continue;
+    EXPECT_NEAR(std::remainder(exposure, 4), 0, 1e-9) << exposure;
+  }
+
+  // Longer ones are whole periods of both.
+  for (const double exposure : chosen(20, 4)) {
+    if (exposure < 2) continue;
+    EXPECT_NEAR(std::remainder(exposure, exposure < 10 ? 4 : 20), 0, 1e-9) << exposure;
+  }
+}
+
 TEST(AutomaticExposure, SaysThatNoPatternsAreSeen) {
   const FrameSet dark(std::vector<Image<std::uint8_t>>(4, Image<std::uint8_t>({20, 20}, 9)));
   expect_error(

@@ -18,7 +18,7 @@ TEST(PageDrawing, HasShadersThatCompile) {
   std::ifstream file(path);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   const std::string version = "#version 330 core\nprecision highp float;\n";
-  const std::regex pair(R"(program\(`([^`]*)`,\s*`([^`]*)`\))");
+  const std::regex pair(R"(program\(`([^`]*)`,\s*[`']([^`']*)[`']\))");
 
   int count = 0;
   for (std::sregex_iterator at(text.begin(), text.end(), pair), end; at != end; ++at, ++count) {

@@ -270,6 +270,14 @@ std::string why_not_in_rows(const EngineSetup& setup) {
   return fmt::format("the image is narrower than {} pixels", least_row_width);
 }
 
+/// Why the stripe geometry cannot be computed.
+std::string why_no_geometry(const Lens& projector) {
+  if (!projector.residual.terms.empty()) {
+    return "the projector's lens bends too much for its residual map";
+  }
+  return "the projector's lens model cannot be inverted over its picture";
+}
+
 /// Limits blocks to turns before the cut, where the row kernel needs no cut.
 void keep_before_cut(FusedStages& stages) {
   if (!stages.blocks) return;
@@ -302,7 +310,7 @@ std::optional<FusedStages> fused_stages(const EngineSetup& setup,
   if (why.empty()) {
     geometry = stripe_geometry(scanner, sequence.axis, settings.field_margin);
     rays = ray_table(scanner.camera);
-    if (!geometry) why = "the projector's lens model cannot be inverted over its picture";
+    if (!geometry) why = why_no_geometry(scanner.projector);
     if (!rays) why = "the camera's lens model cannot be inverted over its picture";
   }
 

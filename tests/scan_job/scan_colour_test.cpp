@@ -122,6 +122,24 @@ TEST_F(ScanColour, IsTheMeanOfTheFramesPixelForPixel) {
   expect_same(load_scan(path()).colour, mean());
 }
 
+TEST_F(ScanColour, IsOfTheShortestExposureWhereverItStands) {
+  Sequence bracket = sequence;
+  bracket.exposures = {16, 4, 1};
+  std::vector<bool> of_last(12, false);
+  std::fill(of_last.begin() + 8, of_last.end(), true);
+  EXPECT_EQ(frames_of_colour(bracket), of_last);
+
+  const VirtualScan grey =
+      take_scan(scanner, scene_named("sphere", scanner), pattern_set(bracket), {.bits = 8});
+  const fs::path folder = folder_.path() / "bracket";
+  const ScanFiles files = save_scan(folder, grey.frames, bracket, scanner);
+  ASSERT_EQ(files.frames.size(), 12U);
+  for (std::size_t i = 0; i < files.frames.size(); ++i) {
+    write_image(files.frames[i], painted(i % 4, bracket.exposures[i / 4]));
+  }
+  expect_same(load_scan(folder).colour, mean());
+}
+
 TEST_F(ScanColour, ReachesTheCloud) {
   paint();
   const ScanResult result = reconstruct(load_scan(path()));
@@ -198,7 +216,7 @@ TEST_F(ScanColour, IsBalancedByTheGreyPatchElseByTheScanner) {
   }
 
   // A lit place of the grey strip.
-  const Rectangle patch{36, 14, {6, 6}};
+  const Rectangle patch{32, 15, {3, 6}};
   ScanFiles asked = scan_files_in(path(), {.grey_patch = patch});
   const WhiteBalance balance = white_balance_of(asked);
   EXPECT_NEAR(balance[0], 1, 0.02);
@@ -230,12 +248,12 @@ TEST_F(ScanColour, KeysAreRefusedIfTheyMakeNoSense) {
   expect_error([&] { (void)amend(files_, {.mosaic = "RB"}); }, {"`mosaic RB`", "BayerRG8"});
 }
 
-// Red is saturated in its stripes, so that neither red nor grey has a phase there.
+// Red is saturated wherever the projector lights, so that neither red nor grey has a phase there.
 TEST_F(ScanColour, DepthIsOfTheChannelThatIsNotSaturated) {
   for (std::size_t n = 0; n < frames_.size(); ++n) {
     Image<Colour> picture = painted(n);
     for (Colour& colour : picture) {
-      colour.red = static_cast<std::uint8_t>(std::min(3 * colour.red, 255));
+      colour.red = static_cast<std::uint8_t>(std::min(8 * colour.red, 255));
     }
     write_image(files_.frames[n], picture);
   }

@@ -19,6 +19,7 @@
 #include "calibrate/board_view.h"
 #include "calibrate/report.h"
 #include "calibrate/several_cameras.h"
+#include "io/file_names.h"
 #include "io/image_file.h"
 #include "io/point_lists.h"
 #include "io/print_file.h"
@@ -171,12 +172,33 @@ struct CameraAlone {
   GeometryCalibration calibration;
 };
 
-/// Adds a number before the ending: "scanner-2.yaml".
-std::string numbered(const fs::path& path, std::size_t number) {
-  fs::path name = path.stem();
-  name += fmt::format("-{}", number);
-  name += path.extension();
-  return (path.parent_path() / name).string();
+/// A further camera of the same projector.
+struct FurtherCamera {
+  std::string folder;            ///< of its poses
+  CalibrationResultFlags files;  ///< its scanner file and report
+  std::optional<MeasuredResponse> response;
+};
+
+/// The response in a scanner file that will be overwritten; nullopt without one.
+std::optional<MeasuredResponse> response_in(const std::string& scanner) {
+  if (!fs::exists(scanner)) return std::nullopt;
+  return read_photometric_calibration(scanner).response;
+}
+
+/// The cameras of --more-cameras. Throws Error if an existing scanner file of one cannot be read,
+/// WorldError if it cannot be written.
+std::vector<FurtherCamera> further_cameras(const CalibrateGeometryFlags& flags) {
+  std::vector<FurtherCamera> cameras;
+  for (const std::string& folder : flags.more_cameras) {
+    const int number = static_cast<int>(cameras.size()) + 2;
+    CalibrationResultFlags files = flags.result;
+    files.scanner = numbered(files.scanner, number).string();
+    if (files.report) files.report = numbered(*files.report, number).string();
+
+    static_cast<void>(output_target(files.scanner));
+    cameras.push_back({folder, files, response_in(files.scanner)});
+  }
+  return cameras;
 }
 
 nlohmann::json json_of(const CameraPose& camera) {
@@ -189,27 +211,27 @@ nlohmann::json json_of(const CameraPose& camera) {
 
 void say_pose(const CameraPose& camera, std::size_t number, Output& output) {
   output.say(
-      "camera {} stands {:.3f} mm from camera 1 (standard deviation {:.3f} mm) and is turned "
-      "by {:.4f} degrees ({:.4f})",
+      "camera {} is {:.3f} mm from camera 1; its position is known to {:.3f} mm, its direction to "
+      "{:.4f} degrees",
       number, camera.pose.translation().norm(), camera.translation_sigma.norm(),
-      Eigen::AngleAxisd(camera.pose.linear()).angle() * 180 / std::numbers::pi,
       camera.rotation_sigma.norm() * 180 / std::numbers::pi);
 }
 
-/// Calibrates the first camera and those of further folders together, and writes a scanner file and
-/// a report for each.
+/// Calibrates the first camera and the further ones together, and writes a scanner file and a
+/// report for each.
 void calibrate_cameras(const CalibrateGeometryFlags& flags, const CalibrationBoard& board,
-                       CameraAlone first, Output& output) {
+                       CameraAlone first, const std::vector<FurtherCamera>& further,
+                       Output& output) {
   const GeometryCalibrationSettings settings = settings_from(flags.result);
 
   // 1. Each camera alone.
   std::vector<PoseCaptures> captures{std::move(first.captures)};
   std::vector<GeometryCalibration> alone{std::move(first.calibration)};
-  for (const std::string& folder : flags.more_cameras) {
+  for (const FurtherCamera& camera : further) {
     BoardCaptureFlags boards = flags.boards;
-    boards.folder = folder;
-    captures.push_back(captured_boards(boards, board, std::nullopt, output));
-    require_enough_poses(captures.back(), folder);
+    boards.folder = camera.folder;
+    captures.push_back(captured_boards(boards, board, camera.response, output));
+    require_enough_poses(captures.back(), camera.folder);
     alone.push_back(calibrate_geometry(captures.back().views, board, captures.back().camera,
                                        captures.back().projector, settings));
   }
@@ -221,9 +243,7 @@ void calibrate_cameras(const CalibrateGeometryFlags& flags, const CalibrationBoa
 
   nlohmann::json cameras = nlohmann::json::array();
   for (std::size_t c = 0; c < together.cameras.size(); ++c) {
-    CalibrationResultFlags files = flags.result;
-    if (c > 0) files.scanner = numbered(files.scanner, c + 1);
-    if (c > 0 && files.report) files.report = numbered(*files.report, c + 1);
+    const CalibrationResultFlags& files = c > 0 ? further[c - 1].files : flags.result;
     if (c > 0) say_pose(together.poses[c - 1], c + 1, output);
 
     write_calibration(
@@ -283,9 +303,8 @@ void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output) {
 
   // Read the files first: errors in them should not wait for the calibration.
   const std::optional<Scanner> other = compared_scanner(flags.result);
-  const auto response = fs::exists(flags.result.scanner)  // it will be overwritten
-                            ? read_photometric_calibration(flags.result.scanner).response
-                            : std::nullopt;
+  const std::optional<MeasuredResponse> response = response_in(flags.result.scanner);
+  const std::vector<FurtherCamera> further = further_cameras(flags);
 
   // 1. Find the board's corners in every pose, in camera pixels and projector coordinates.
   const PoseCaptures captures = captured_boards(flags.boards, board, response, output);
@@ -295,16 +314,17 @@ void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output) {
   // 2. Calibrate both lenses and the pose between them.
   const GeometryCalibration calibration =
       calibrate_geometry(captures.views, board, captures.camera, captures.projector, settings);
-  if (!flags.more_cameras.empty()) {
-    return calibrate_cameras(flags, board, {captures, calibration}, output);
-  }
 
   // 3. Write the scanner file and the report, with all diagnostics together.
-  findings.insert(findings.end(), captures.findings.begin(), captures.findings.end());
-  write_calibration(
-      flags.result,
-      {calibration, printed_places(board), text_of(board), captures.unused, std::move(findings)},
-      other, output);
+  if (!further.empty()) {
+    calibrate_cameras(flags, board, {captures, calibration}, further, output);
+  } else {
+    findings.insert(findings.end(), captures.findings.begin(), captures.findings.end());
+    write_calibration(
+        flags.result,
+        {calibration, printed_places(board), text_of(board), captures.unused, std::move(findings)},
+        other, output);
+  }
   if (flags.points) output.say("points: {}", *flags.points);
 }
 
@@ -370,7 +390,7 @@ void add_calibrate_geometry(const Commands& calibrate_command) {
   add_board_capture_flags(command, flags.boards);
   add_model_flags({command.app, "Model"}, flags.result);
 
-  command.exclude("--more-cameras", {"--compare", "--measured"});
+  command.exclude("--more-cameras", {"--compare", "--measured", "--residual"});
   command.common({"--output", "--report", "--board", "--corners", "--spacing", "--strategy",
                   "--steps", "--high", "--low", "--projector"});
   command.examples(

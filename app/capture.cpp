@@ -5,17 +5,14 @@
 #include <functional>
 #include <iterator>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "app/calibrate_boards.h"
 #include "app/capture_exposure.h"
 #include "app/guided_poses.h"
 #include "app/process.h"
 #include "base/numbers.h"
-#include "calibrate/pose_guide.h"
 #include "codes/guard_sequence.h"
 #include "frames/colour_channels.h"
 #include "frames/mosaic.h"
@@ -56,6 +53,12 @@ void require_good(const CaptureFlags& flags) {
            "--axis both: poses always use both axes; drop --axis");
   throw_if(flags.poses && source.sequence.exposures,
            "--exposures: board poses use a single exposure; use --exposure");
+
+  // Views of an object that turns.
+  throw_if(flags.turntable.views && scheme_of(source.source) == "replay",
+           "--turntable: {} shows no object that turns; use a camera, or virtual", source.source);
+  throw_if(flags.turntable.views && lower_case_extension(flags.output) == ".slip",
+           "{}: --turntable needs a folder; a recording holds one scan", flags.output);
 
   throw_if(fs::exists(flags.output) &&
                (fs::is_regular_file(flags.output) || !fs::is_empty(flags.output)),
@@ -237,6 +240,7 @@ void take_poses_in_window(const CaptureFlags& flags, Output& output) {
 void take_turns(const CaptureFlags& flags, Output& output) {
   const double step = turn_step(flags.turntable);
   const CaptureFlags chosen = flags.automatic ? with_chosen_exposures(flags, output) : flags;
+  const nlohmann::json document = output.document;  // with the chosen exposures
   const bool is_virtual = scheme_of(flags.source.source) == "virtual";
 
   for (int view = 1; view <= *flags.turntable.views; ++view) {
@@ -245,12 +249,12 @@ void take_turns(const CaptureFlags& flags, Output& output) {
     if (view > 1 && by_hand) turn_table(flags.turntable, view, output);
 
     CaptureFlags of_view = chosen;
-    of_view.output = folder_of_view(flags.output, view);
+    of_view.output = folder_of_view(flags.turntable, flags.output, view);
     const CaptureRig rig = open_rig(of_view, output, (view - 1) * step);
     take_scan(of_view, rig, output);
   }
 
-  output.document = nlohmann::json::object();
+  output.document = document;
   tell_views(flags.turntable, flags.output, output);
 }
 

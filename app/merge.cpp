@@ -257,7 +257,7 @@ void refuse_left_out(const MergeFlags& flags, const JointAlignment& joint, Outpu
 void tell_moved(const MergeFlags& flags, const MovedView& moved, Output& output) {
   output.warn(fmt::format(
       "{} does not lie as the turntable turned it: the object was moved {} by {:.2f} degrees and "
-      "{:.2f} mm, so that the views keep their own poses",
+      "{:.2f} mm; the views keep the poses found without the axis",
       flags.inputs[moved.view], moved.stays ? "before this view" : "for this view alone",
       moved.turn / degree, moved.shift));
   output.add("moved", described("view", flags.inputs[moved.view], "stays", moved.stays, "turn_deg",
@@ -280,19 +280,23 @@ void settle_on_turntable(const MergeFlags& flags, const std::vector<PreparedView
       "({:.3f}, {:.3f}, {:.3f}) mm, uncertain by {:.4f} mm",
       table.direction.x(), table.direction.y(), table.direction.z(), table.direction_sigma / degree,
       table.point.x(), table.point.y(), table.point.z(), table.point_sigma);
-  output.say("{}", table.step ? fmt::format("step {:.4f} degrees, uncertain by {:.4f}",
-                                            *table.step / degree, table.step_sigma / degree)
-                              : std::string("the steps differ"));
+
+  const auto step = table.step ? std::optional(*table.step / degree) : std::nullopt;
+  output.say("{}", step ? fmt::format("step {:.4f} degrees, uncertain by {:.4f}", *step,
+                                      table.step_sigma / degree)
+                        : std::string("the steps differ"));
 
   nlohmann::json angles = nlohmann::json::array();
   for (const double angle : table.angles) angles.push_back(angle / degree);
-  output.add("turntable", described("direction", table.direction, "direction_sigma_deg",
-                                    table.direction_sigma / degree, "point_mm", table.point,
-                                    "point_sigma_mm", table.point_sigma, "step_sigma_deg",
-                                    table.step_sigma / degree, "angles_deg", angles));
+  output.add(
+      "turntable",
+      described("direction", table.direction, "direction_sigma_deg", table.direction_sigma / degree,
+                "point_mm", table.point, "point_sigma_mm", table.point_sigma, "step_deg", step,
+                "step_sigma_deg", table.step_sigma / degree, "angles_deg", angles));
 
   if (fit.moved) return tell_moved(flags, *fit.moved, output);
   for (std::size_t i = 0; i < views.size(); ++i) joint.poses[i] = fit.poses[i];
+  output.say("distances of the pairs and loop error, measured before the turntable:");
 }
 
 /// The wanted frame, in which the first joined view's camera has the given pose; null: the model

@@ -14,7 +14,7 @@ struct RigRights {
 
 /// Throws Error unless a rig file may give this value to the option. Its outputs must lie in the
 /// working folder or below, have an ending of their format, and replace only files of that format.
-/// Its ports are for this machine only.
+/// Its ports are for this machine only, and it may not run commands (--turn-command).
 void require_rig_may(const CLI::Option& option, const std::string& value, const RigRights& rights);
 
 /// Whether the subcommand has options that open ports.

@@ -13,6 +13,7 @@
 #include "base/stopwatch.h"
 #include "codes/guard_sequence.h"
 #include "io/file.h"
+#include "io/file_names.h"
 #include "io/image_file.h"
 #include "io/scan_folder.h"
 #include "simulate/turned_scene.h"
@@ -82,7 +83,9 @@ void simulate_boards(const SimulateFlags& flags, const VirtualWorld& world,
       save_board_scans(folder, sequence, world, printed, poses, [&] { progress.advance(); });
 
   // The same poses for a second camera, in a folder beside this one.
+  std::optional<std::string> second_folder;
   if (flags.second_camera) {
+    second_folder = numbered(folder, 2).string();
     VirtualWorld posed = world, second;
     std::vector<Eigen::Isometry3d> seen;
     for (const Eigen::Isometry3d& pose : poses) {
@@ -91,17 +94,18 @@ void simulate_boards(const SimulateFlags& flags, const VirtualWorld& world,
       second = seen_from_second(posed);
       seen.push_back(second.scene.front().pose);
     }
-    save_board_scans(flags.folder + "-2", sequence, second, printed, seen,
-                     [&] { progress.advance(); });
+    save_board_scans(*second_folder, sequence, second, printed, seen, [&] { progress.advance(); });
   }
 
   progress.finish();
   output.say("took a board ({}, {}x{}), spacing {:g} mm, in {} poses of {}, into {}",
              name_of(board.kind), board.columns, board.rows, board.spacing, count,
              text_of(scanner.camera.size), folder.string());
+  if (second_folder) output.say("those of the second camera: {}", *second_folder);
 
-  output.document = described("folder", folder.string(), "poses", names, "width",
-                              scanner.camera.size.width, "height", scanner.camera.size.height);
+  output.document =
+      described("folder", folder.string(), "second_folder", second_folder, "poses", names, "width",
+                scanner.camera.size.width, "height", scanner.camera.size.height);
 }
 
 /// Takes a guard of the same scene after the scan, with other noise.
@@ -125,7 +129,7 @@ void simulate_turns(const SimulateFlags& flags, const VirtualWorld& world, const
     turned.scene = turned_scene(world.scene, world.scanner, view * step * degree);
     turned.photometry.seed += static_cast<std::uint64_t>(view);
     save_virtual_scan(
-        folder_of_view(flags.folder, view + 1), sequence, turned,
+        folder_of_view(flags.turntable, flags.folder, view + 1), sequence, turned,
         take_scan(turned.scanner, turned.scene, pattern_set(sequence), turned.photometry));
     progress.advance();
   }
@@ -144,10 +148,11 @@ void simulate(const SimulateFlags& flags, Output& output) {
 
   throw_if(flags.paint != 0 && !flags.in_colour && !flags.primaries,
            "--paint needs --colour or --primaries");
-  throw_if((flags.boards || flags.primaries || flags.second_camera || flags.guard) &&
-               lower_case_extension(flags.folder) == ".slip",
-           "{}: --boards, --primaries, --second-camera and --guard need a folder; a recording "
-           "holds one scan",
+  const bool is_one_scan = !flags.boards && !flags.primaries && !flags.second_camera &&
+                           !flags.guard && !flags.turntable.views;
+  throw_if(!is_one_scan && lower_case_extension(flags.folder) == ".slip",
+           "{}: --boards, --primaries, --second-camera, --guard and --turntable need a folder; a "
+           "recording holds one scan",
            flags.folder);
   throw_if(flags.guard && !can_be_guarded(sequence),
            "--guard needs patterns along one axis, and a projector of 64 pixels or more across it");
@@ -225,7 +230,7 @@ void add_simulate_flags(CLI::App& command, SimulateFlags& flags) {
   group.add(
       "--second-camera", flags.second_camera,
       "add a second camera on the other side of the projector; its scan goes into second/, its "
-      "boards into a folder whose name ends in -2");
+      "boards into a folder beside the first, with -2 in its name");
   group.add("--colour", flags.in_colour,
             "colour camera and projector: three patterns per picture, with 20 % crosstalk between "
             "channels");

@@ -5,6 +5,8 @@
 #include <iostream>
 #include <string_view>
 
+#include <sys/wait.h>
+
 namespace slipstream::app {
 namespace {
 
@@ -14,6 +16,21 @@ std::string with_number(std::string command, std::string_view name, const std::s
     command.replace(at, name.size(), number);
   }
   return command;
+}
+
+/// Runs the command with its output on stderr. Throws WorldError unless it succeeds.
+void run_command(const std::string& command) {
+  // The line break ends a comment at the command's end.
+  const int status = std::system(("{ " + command + "\n} 1>&2").c_str());
+  if (status == 0) return;
+
+  std::string why = "cannot be run";
+  if (status != -1 && WIFEXITED(status)) {
+    why = fmt::format("failed with exit code {}", WEXITSTATUS(status));
+  } else if (status != -1) {
+    why = fmt::format("was ended by signal {}", WTERMSIG(status));
+  }
+  throw WorldError(fmt::format("--turn-command '{}' {}", command, why));
 }
 
 }  // namespace
@@ -36,8 +53,10 @@ double turn_step(const TurntableFlags& flags) {
   return step;
 }
 
-std::string folder_of_view(const fs::path& folder, int number) {
-  return (folder / fmt::format("view{:02}", number)).string();
+std::string folder_of_view(const TurntableFlags& flags, const fs::path& folder, int number) {
+  const int views = flags.views.value_or(0);
+  const int digits = views < 100 ? 2 : views < 1000 ? 3 : 4;
+  return (folder / fmt::format("view{:0{}}", number, digits)).string();
 }
 
 void turn_table(const TurntableFlags& flags, int number, Output& output) {
@@ -57,17 +76,16 @@ void turn_table(const TurntableFlags& flags, int number, Output& output) {
   const std::string command =
       with_number(with_number(flags.command, "{step}", fmt::format("{:g}", step)), "{view}",
                   std::to_string(number));
-  const int status = std::system(command.c_str());
-  if (status != 0) {
-    throw WorldError(fmt::format("--turn-command '{}' failed with status {}", command, status));
-  }
+  run_command(command);
 }
 
 void tell_views(const TurntableFlags& flags, const fs::path& folder, Output& output) {
   output.say("{} views, {:g} degrees apart, in {}", *flags.views, turn_step(flags),
              folder.string());
+  output.say("join them: slipstream merge {} --turntable", (folder / "view*").string());
+
   for (int view = 1; view <= *flags.views; ++view) {
-    output.list("views").push_back(folder_of_view(folder, view));
+    output.list("views").push_back(folder_of_view(flags, folder, view));
   }
   output.document["folder"] = folder.string();
   output.document["step_degrees"] = turn_step(flags);

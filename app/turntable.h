@@ -21,12 +21,14 @@ void add_turntable_flags(const FlagGroup& group, TurntableFlags& flags);
 /// Degrees from view to view. Throws Error if views or step are out of range.
 double turn_step(const TurntableFlags& flags);
 
-/// The folder of view `number`, from 1: "FOLDER/view01".
-std::string folder_of_view(const std::filesystem::path& folder, int number);
+/// The folder of view `number`, from 1: "FOLDER/view01". Names have as many digits as the last view
+/// needs, at least two, so that they sort in the views' order.
+std::string folder_of_view(const TurntableFlags& flags, const std::filesystem::path& folder,
+                           int number);
 
 /// Lets the object be turned for view `number`: runs the command, in which {step} and {view} stand
-/// for degrees and number, or waits for Enter. Throws WorldError if the command fails or
-/// standard input ends.
+/// for degrees and number, or waits for Enter. The command prints to stderr, as stdout may carry
+/// JSON. Throws WorldError if the command fails or standard input ends.
 void turn_table(const TurntableFlags& flags, int number, Output& output);
 
 /// Prints where the views are, and how to join them.

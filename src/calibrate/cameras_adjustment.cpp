@@ -8,6 +8,7 @@
 #include "calibrate/adjustment.h"
 #include "calibrate/board_view.h"
 #include "calibrate/corner_errors.h"
+#include "calibrate/quiet_ceres.h"
 
 namespace slipstream {
 namespace {

@@ -21,6 +21,18 @@ Eigen::Isometry3d rig_of(const Scanner& scanner) {
   return Eigen::Translation3d(scanner.translation) * Eigen::Isometry3d(scanner.rotation);
 }
 
+/// Throws Error for residual maps, which the joint adjustment does not know.
+void require_no_residual_maps(const std::vector<GeometryCalibration>& alone,
+                              const GeometryCalibrationSettings& settings) {
+  const bool has_map = std::ranges::any_of(alone, [](const GeometryCalibration& camera) {
+    const Scanner& scanner = camera.state.scanner;
+    return !scanner.camera.residual.terms.empty() || !scanner.projector.residual.terms.empty();
+  });
+
+  throw_if(settings.residual || has_map,
+           "residual maps are not supported for several cameras; set `residual` to false");
+}
+
 /// Numbers the poses by their names.
 CamerasViews joint_views(const std::vector<GeometryCalibration>& alone) {
   CamerasViews views;
@@ -127,7 +139,7 @@ std::vector<CameraPose> camera_poses(const CamerasState& state, const CamerasDev
   return poses;
 }
 
-/// Puts the joint result into a camera's calibration.
+/// Puts the joint result into a camera's calibration. Throws Error if its scanner is not valid.
 void update(GeometryCalibration& camera, const BundleState& state,
             const BundleDeviation& deviation) {
   const Scanner before = camera.state.scanner;
@@ -145,6 +157,7 @@ void update(GeometryCalibration& camera, const BundleState& state,
   }
   camera.rms = all.rms();
   camera.state.scanner.calibration_rms = camera.rms.stereo;
+  require_valid(camera.state.scanner);
 }
 
 }  // namespace
@@ -153,6 +166,7 @@ CamerasCalibration calibrate_together(std::vector<GeometryCalibration> alone,
                                       const BoardPlaces& printed, double spacing,
                                       const GeometryCalibrationSettings& settings) {
   throw_if(alone.size() < 2, "several cameras are calibrated together; there is only one");
+  require_no_residual_maps(alone, settings);
 
   // 1. All cameras at once, from where each is alone.
   const CamerasViews views = joint_views(alone);

@@ -24,9 +24,11 @@ struct CamerasCalibration {
 
 /// Adjusts calibrations of single cameras together: they share the projector, the board and, in
 /// views of the same name, its poses. `printed` and `spacing`: see calibrate_geometry. Keeps the
-/// chosen lens models; updates scanners, poses, standard deviations, RMS and qualities. Throws
-/// Error for fewer than two cameras, cameras that share fewer than `fewest_poses` views with those
-/// before, and projectors of different sizes.
+/// chosen lens models; updates scanners, poses, standard deviations, RMS and qualities. Standard
+/// deviations of the projector's pose are those of the fit or the jackknife, whichever is larger,
+/// for the first camera; for further ones those of the jackknife alone. Throws Error for fewer than
+/// two cameras, cameras that share fewer than `fewest_poses` views with those before, projectors of
+/// different sizes, residual maps, and poses that do not determine the calibration.
 CamerasCalibration calibrate_together(std::vector<GeometryCalibration> alone,
                                       const BoardPlaces& printed, double spacing,
                                       const GeometryCalibrationSettings& settings = {});

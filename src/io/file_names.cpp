@@ -20,10 +20,7 @@ namespace {
 template <class Take>
 fs::path first_name(const fs::path& path, const Take& take) {
   fs::path name = path;
-  for (int copy = 2; !take(name); ++copy) {
-    name.replace_filename(
-        fmt::format("{}-{}{}", path.stem().string(), copy, path.extension().string()));
-  }
+  for (int copy = 2; !take(name); ++copy) name = numbered(path, copy);
   return name;
 }
 
@@ -36,6 +33,13 @@ bool is_taken(bool done, const char* what, const fs::path& name) {
 }
 
 }  // namespace
+
+fs::path numbered(const fs::path& path, int number) {
+  const fs::path whole = path.has_filename() ? path : path.parent_path();
+  const std::string name =
+      fmt::format("{}-{}{}", whole.stem().string(), number, whole.extension().string());
+  return whole.parent_path() / name;
+}
 
 fs::path free_path(const fs::path& path) {
   return first_name(path, [](const fs::path& name) { return !fs::exists(name); });

@@ -4,6 +4,9 @@
 
 namespace slipstream {
 
+/// The path with a number before the ending: "scanner-2.yaml". A slash at its end is dropped.
+std::filesystem::path numbered(const std::filesystem::path& path, int number);
+
 /// The path, with -2, -3 and so on before the ending if it exists. Another program may take it at
 /// any time: see NewFile and make_free_folder.
 std::filesystem::path free_path(const std::filesystem::path& path);

@@ -62,7 +62,7 @@ std::string quoted(const std::string& name) {
   return text + '"';
 }
 
-/// The name of a unit of so many mm.
+/// The name of a unit, from its length in mm.
 std::string unit_name(double unit) {
   if (unit == 1) return "mm";
   if (unit == 10) return "cm";

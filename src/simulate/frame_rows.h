@@ -10,7 +10,7 @@ namespace slipstream {
 
 // Rows of frames in vectors.
 
-/// gaussian() of the pixels from `first` on.
+/// Fills `values` with gaussian() of consecutive pixels, from `first` on.
 void set_gaussians(std::uint64_t seed, std::uint64_t frame, std::uint64_t first,
                    std::span<double> values);
 
@@ -18,7 +18,8 @@ void set_gaussians(std::uint64_t seed, std::uint64_t frame, std::uint64_t first,
 /// `constant` plus `level` times the light.
 struct RowNoise {
   std::span<const double> sensitivity, offset, gaussians;
-  double constant = 0, level = 0, of_row = 0;
+  double constant = 0, level = 0;
+  double of_row = 0;  ///< the row's own offset, grey levels
 };
 
 void add_row_noise(const RowNoise& noise, std::span<double> light);

@@ -44,7 +44,7 @@ class HandBuilder {
   void add(Mesh mesh, const Motion& motion) {
     for (Vector& vertex : mesh.vertices) vertex *= size_;
 
-    scene_.push_back(Body{.shape = std::make_shared<const MeshTree>(std::move(mesh)),
+    scene_.push_back(Body{.shape = std::make_shared<const MeshTree>(mesh),
                           .pose = pose_,
                           .texture = uniform_texture(0.75),
                           .shading = Shading::lambertian,

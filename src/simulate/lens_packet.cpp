@@ -36,8 +36,8 @@ HWY_INLINE BentRay bent_ray(const double* k, double x, double y) {
 constexpr int all_lost = -1;
 
 /// One step of Newton's method towards the directions of images. `slopes`: xx, xy, yx, yy of the
-/// inverse. Returns the number of rays that are not found yet, or `all_lost` near the end of what
-/// the model can invert.
+/// inverse. Returns the number of rays that are not found yet, or `all_lost` near the end of the
+/// model's invertible range.
 int StepTowards(const double* k, const Lanes& image_x, const Lanes& image_y, LaneVectors& at,
                 std::array<Lanes, 4>& slopes) {
   constexpr double close = 1e-9;  // the next step would be its square
@@ -187,7 +187,7 @@ void PacketRays::find(const Lanes& column, const Lanes& row, LaneVectors& direct
     return;
   }
 
-  // 3. Where that fails, for a tilted sensor and at the end of what the model can invert.
+  // 3. Where that fails, for a tilted sensor and at the end of the model's invertible range.
   for (int i = 0; i < packet_rays; ++i) {
     directions.set(i, ray_through(lens_, {column[i], row[i]}));
   }

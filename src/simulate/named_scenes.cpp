@@ -227,7 +227,7 @@ Scene scene_with_mesh(Mesh mesh, const Scanner& scanner, double size) {
   const double scale = (size > 0 ? size : 0.95 * volume.extent) / largest_side;
   for (Vector& vertex : mesh.vertices) vertex = scale * (vertex - bounds.center());
 
-  return {Body{.shape = std::make_shared<const MeshTree>(std::move(mesh)),
+  return {Body{.shape = std::make_shared<const MeshTree>(mesh),
                .pose = placed(volume.centre, upright),
                .shading = Shading::lambertian}};
 }
@@ -288,7 +288,7 @@ Body misprinted(Body sheet, const Physics& physics) {
       return Eigen::Vector3d(across * flat.width / 2, (v - 0.5) * flat.height,
                              physics.board_bend * (across * across - 1));
     });
-    sheet.shape = std::make_shared<const MeshTree>(std::move(mesh));
+    sheet.shape = std::make_shared<const MeshTree>(mesh);
   }
 
   return sheet;

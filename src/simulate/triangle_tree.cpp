@@ -1,6 +1,7 @@
 #include "simulate/triangle_tree.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -38,7 +39,7 @@ HWY_INLINE void set_farthest(const Lanes& distance, float* farthest) {
 /// Whether any ray meets the box before its farthest distance.
 HWY_INLINE bool meets_box(const TreeNode& node, const double* origin, const BoxRays& rays) {
   const BoxTag d;
-  const auto slack = hn::Set(d, 1 + 1e-6F);  // several times the rounding of what follows
+  const auto slack = hn::Set(d, 1 + 1e-6F);  // several times the rounding below
 
   const auto from = [&](const std::array<float, 3>& side, int axis) SLIPSTREAM_STEP {
     return hn::Set(d, static_cast<float>(double{side[axis]} - origin[axis]));
@@ -77,9 +78,8 @@ HWY_INLINE bool meet_triangle(const TreeTriangle& triangle, const double* origin
   const double* const a = triangle.side_a.data();
   const double* const b = triangle.side_b.data();
   const double* const corner = triangle.corner.data();
-  const double c[3] = {corner[0] - origin[0],
-                       corner[1] - origin[1],  // NOLINT(modernize-avoid-c-arrays)
-                       corner[2] - origin[2]};
+  const std::array<double, 3> c{corner[0] - origin[0], corner[1] - origin[1],
+                                corner[2] - origin[2]};
   const double offset = c[0] * n[0] + c[1] * n[1] + c[2] * n[2];
 
   const auto dot = [&](double x, double y, double z, int i) SLIPSTREAM_STEP {
@@ -242,6 +242,17 @@ void append_node(std::vector<Leaf>& leaves, int first, int last, std::vector<Tre
   append_node(leaves, middle, last, nodes);
 }
 
+/// Perpendicular to a triangle, as long as twice its area. Zero, which no ray meets, if both sides
+/// have the same direction within rounding: their cross product would be rounding alone.
+Eigen::Vector3d normal_of(const Eigen::Vector3d& side_a, const Eigen::Vector3d& side_b) {
+  constexpr double least_sine = 1e-12;
+
+  const Eigen::Vector3d normal = side_a.cross(side_b);
+  const bool has_area = normal.norm() > least_sine * side_a.norm() * side_b.norm();
+  if (!has_area) return Eigen::Vector3d::Zero();
+  return normal;
+}
+
 }  // namespace
 
 TriangleTree::TriangleTree(const Mesh& mesh) {
@@ -258,7 +269,7 @@ TriangleTree::TriangleTree(const Mesh& mesh) {
     const auto& [i, j, k] = mesh.triangles[leaf.index];
     const Eigen::Vector3d& corner = mesh.vertices[i];
     const Eigen::Vector3d side_a = mesh.vertices[j] - corner, side_b = mesh.vertices[k] - corner;
-    triangles_.push_back({corner, side_a, side_b, side_a.cross(side_b)});
+    triangles_.push_back({corner, side_a, side_b, normal_of(side_a, side_b)});
   }
 }
 

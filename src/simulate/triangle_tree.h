@@ -11,7 +11,8 @@
 
 namespace slipstream {
 
-/// A triangle of a mesh: a corner, the sides from there, and their cross product.
+/// A triangle of a mesh: a corner, the sides from there, and their cross product, which is zero for
+/// a triangle without area.
 struct TreeTriangle {
   Eigen::Vector3d corner, side_a, side_b, normal;
 };

@@ -24,6 +24,7 @@ Scene turned_scene(const Scene& scene, const Scanner& scanner, double angle) {
   for (Body body : scene) {
     if (body.fixed) continue;
     body.pose = turn * body.pose;
+    body.motion = moved_by(turn, body.motion);
     turned.push_back(body);
   }
   return turned;

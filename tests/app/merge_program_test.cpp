@@ -1,8 +1,10 @@
 // Runs `slipstream merge` on clouds of a virtual object.
+#include <cmath>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -65,6 +67,37 @@ TEST_F(MergeProgram, JoinsTwoCloudsToAModel) {
   ASSERT_EQ(again.exit_code, 0) << again.err;
   EXPECT_EQ(nlohmann::json::parse(again.out)["start"]["sense"],
             "quaternion x y z w, from the view's frame to the model's");
+}
+
+TEST_F(MergeProgram, FindsTheAxisOfATurntable) {
+  constexpr double step = 20;
+  const Mesh statue = large_statue();
+  const Eigen::Vector3d up = -Eigen::Vector3d::UnitY();
+  const Eigen::Vector3d middle(4, 0, 603);
+
+  std::vector<std::string> arguments{"merge"};
+  for (int view = 0; view < 4; ++view) {
+    const Eigen::Isometry3d turn =
+        Eigen::Translation3d(middle) * turned(up, step * view) * Eigen::Translation3d(-middle);
+    const std::string name = fmt::format("{}.ply", std::string(view + 1, 'v'));
+    arguments.push_back(shot(name, statue, turn * first_pose));
+  }
+  arguments.insert(arguments.end(), {"--turntable", "-o", path("model.ply")});
+  const ProgramRun text = run_program(arguments);
+  EXPECT_NE(text.out.find("before the turntable"), std::string::npos) << text.out << text.err;
+
+  arguments.emplace_back("--json");
+  const ProgramRun run = run_program(arguments);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto document = nlohmann::json::parse(run.out);
+  EXPECT_EQ(document["joined"], 4);
+  EXPECT_FALSE(document.contains("moved")) << document["moved"];
+
+  // The axis may point either way; the step's sign says which.
+  const auto& table = document["turntable"];
+  EXPECT_EQ(table["angles_deg"].size(), 4U);
+  EXPECT_NEAR(std::abs(table["step_deg"].get<double>()), step, 0.2);
+  EXPECT_GT(std::abs(table["direction"][1].get<double>()), 0.999);
 }
 
 TEST_F(MergeProgram, RefusesPlanesAndWritesNothing) {

@@ -379,7 +379,8 @@ TEST(OutputProgram, SimulatedOutputsAreRefusedBeforeAFolderIsMade) {
            {"scan", {"--primaries", "--unquantised"}, "--unquantised"},
            {"x.slip", {"--primaries"}, "need a folder"},
            {"x.slip", {"--second-camera"}, "need a folder"},
-           {"x.slip", {"--boards", "2"}, "need a folder"}}) {
+           {"x.slip", {"--boards", "2"}, "need a folder"},
+           {"x.slip", {"--turntable", "3"}, "need a folder"}}) {
     Words words{"simulate", folder.path() / name, "--camera", "64x48"};
     words.insert(words.end(), flags.begin(), flags.end());
     const ProgramRun run = run_program(words);

@@ -463,7 +463,6 @@ TEST_F(Program, BadFlags) {
       {"simulate", path("new"), "--camera-bits", "7"},
       {"simulate", path("new"), "--virtual-noise", "-1"},
       {"simulate", path("new"), "--reflectivity", "2"},
-      {"simulate", path("new"), "--boards", "2", "--second-camera"},
       {"simulate", path("new"), "--primaries", "--second-camera"},
       {"simulate", path("new"), "--high", "4000"},
       {"simulate", path("new"), "--alpha-p", "300"},

@@ -37,7 +37,7 @@ class TurntableProgram : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(TurntableProgram, takes_a_scan_of_each_view) {
+TEST_F(TurntableProgram, TakesAScanOfEachView) {
   const ProgramRun simulated = views("simulate", {path("views"), "--turn-step", "90", "--json"});
   ASSERT_EQ(simulated.exit_code, 0) << simulated.err;
   const auto told = nlohmann::json::parse(simulated.out);
@@ -46,10 +46,14 @@ TEST_F(TurntableProgram, takes_a_scan_of_each_view) {
   EXPECT_LT(told["axis_direction"][1].get<double>(), -0.9) << "upwards";
 
   // The same by the virtual camera, whose command is told angle and number.
-  const ProgramRun captured =
-      views("capture", {"--source", "virtual", "-o", path("taken"), "--turn-step", "90",
-                        "--turn-command", "echo {step} {view} > " + path("told")});
+  const ProgramRun captured = views(
+      "capture", {"--source", "virtual", "-o", path("taken"), "--turn-step", "90", "--turn-command",
+                  "echo turning; echo {step} {view} > " + path("told"), "--auto", "--json"});
   ASSERT_EQ(captured.exit_code, 0) << captured.err;
+  EXPECT_NE(captured.err.find("turning"), std::string::npos) << captured.err;
+  const auto document = nlohmann::json::parse(captured.out);
+  EXPECT_EQ(document["views"].size(), 2U);
+  EXPECT_TRUE(document.contains("automatic"));
   EXPECT_EQ(read_text(path("told")), "90 2\n");
 
   for (const char* const folder : {"views", "taken"}) {
@@ -62,7 +66,7 @@ TEST_F(TurntableProgram, takes_a_scan_of_each_view) {
             read_file(path("views/view02/frame_00.png")));
 }
 
-TEST_F(TurntableProgram, refuses_bad_turns) {
+TEST_F(TurntableProgram, RefusesBadTurns) {
   expect_refused(views("simulate", {path("views"), "--turn-step", "200"}), "-180 to 180");
   expect_refused(
       run_program({"capture", "--source", "virtual", "-o", path("views"), "--turntable", "1"}),
@@ -71,11 +75,21 @@ TEST_F(TurntableProgram, refuses_bad_turns) {
       run_program({"capture", "--source", "virtual", "-o", path("views"), "--turn-step", "3"}),
       "--turntable");
 
+  // A replay shows no object that turns, and a recording holds one view.
+  expect_refused(run_program({"capture", "--source", "replay:" + path("views"), "-o", path("taken"),
+                              "--turntable", "3"}),
+                 "no object that turns");
+  expect_refused(views("capture", {"--source", "virtual", "-o", path("taken.slip")}),
+                 "--turntable needs a folder");
+
   // A command that fails, which a rig file may not name at all.
   const ProgramRun failed =
       views("capture", {"--source", "virtual", "-o", path("one"), "--turn-command", "false"});
   EXPECT_EQ(failed.exit_code, 1) << failed.err;
-  EXPECT_NE(failed.err.find("'false' failed"), std::string::npos) << failed.err;
+  EXPECT_NE(failed.err.find("'false' failed with exit code 1"), std::string::npos) << failed.err;
+  const ProgramRun ended = views(
+      "capture", {"--source", "virtual", "-o", path("three"), "--turn-command", "kill -9 $$"});
+  EXPECT_NE(ended.err.find("ended by signal 9"), std::string::npos) << ended.err;
 
   std::ofstream(path("rig.yaml")) << "turn-command: touch " << path("touched") << "\n";
   expect_refused(

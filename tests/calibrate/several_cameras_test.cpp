@@ -180,4 +180,18 @@ TEST(SeveralCameras, MustShareTheirPoses) {
                {"there is only one"});
 }
 
+TEST(SeveralCameras, HaveNoResidualMaps) {
+  const std::vector<Scanner> truth = true_scanners(2);
+  std::vector<GeometryCalibration> alone = alone_of(truth, views_of(truth, 6, 3));
+  GeometryCalibrationSettings with_maps;
+  with_maps.residual = true;
+  expect_error([&] { (void)calibrate_together(alone, printed_places(board), 20, with_maps); },
+               {"residual maps", "`residual`"});
+
+  // A map that one of the cameras has already.
+  alone[1].state.scanner.camera.residual.terms = {Eigen::Vector2d(0.1, 0)};
+  expect_error([&] { (void)calibrate_together(alone, printed_places(board), 20); },
+               {"residual maps"});
+}
+
 }  // namespace slipstream::several_cameras_test

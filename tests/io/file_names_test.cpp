@@ -26,6 +26,12 @@ std::vector<fs::path> names_of_threads(const Get& get) {
   return names;
 }
 
+TEST(FileNames, NumberedStandsBesideThePath) {
+  EXPECT_EQ(numbered("rigs/rig.yaml", 2), "rigs/rig-2.yaml");
+  EXPECT_EQ(numbered("boards", 3), "boards-3");
+  EXPECT_EQ(numbered("all/boards/", 2), "all/boards-2");
+}
+
 TEST(FileNames, NewFileHasANameOfItsOwnInEachThread) {
   const TemporaryFolder folder;
   const fs::path wanted = folder.path() / "scan.slip";

@@ -16,9 +16,9 @@ STUB = ast.parse(pathlib.Path(slipstream.__file__).with_name("__init__.pyi").rea
 # Help of settings that only C++ has.
 ONLY_IN_CPP = {"fewest_neighbours", "largest_doubt"}
 # Settings of commands that the module has no function for: hand-eye calibration, calibration from
-# lists of points, colours, and the shape that `live` follows.
+# lists of points, colours, residual maps, and the shape that `live` follows.
 NOT_IN_PYTHON = {"board_convention", "robot_convention", "eye {}", "swap camera", "swap projector",
-                 "unit", "grey_patch", "track"}
+                 "unit", "grey_patch", "residual", "track"}
 
 
 def literals_in(source):

@@ -9,8 +9,7 @@
 #include "simulate/seen_scene.h"
 #include "simulate/surface_packet.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::frame_rows_test {
 
 constexpr int width = 37;  // not whole vectors
 
@@ -46,7 +45,7 @@ TEST(FrameRows, BlurIsAGaussianToFourDeviations) {
   }
 }
 
-TEST(VeinedTexture, IsTheSameInPackets) {
+TEST(FrameRows, VeinsAreTheSameInPackets) {
   const Scene scene{{.shape = Board{100, 100}, .texture = veined_texture(0.2, 0.9, 20)}};
   const std::vector<PlacedBody> bodies = placed_at(scene, 0);
   LaneVectors directions;
@@ -63,5 +62,4 @@ TEST(VeinedTexture, IsTheSameInPackets) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::frame_rows_test

@@ -1,14 +1,15 @@
 // Rays of packets against those of the lens alone. Tier: every change.
 #include "simulate/lens_packet.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "slipstream/named_scenes.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::lens_packet_test {
 
 /// The largest difference from ray_through over a picture and half of its size beyond. Directions
 /// that neither has are equal.
@@ -34,7 +35,45 @@ double largest_difference(const Lens& lens) {
   return largest;
 }
 
-TEST(PacketRays, AreThoseOfTheLens) {
+/// A map of a few tenths of a pixel across the picture of a lens.
+LensResidual wavy_residual(const Lens& lens) {
+  constexpr int terms_of_degree_3 = 10;
+  const Eigen::Vector2d half(lens.size.width / 2.0, lens.size.height / 2.0);
+
+  LensResidual residual{.centre = half, .half = half};
+  for (int i = 0; i < terms_of_degree_3; ++i) {
+    residual.terms.emplace_back(0.2 * std::cos(i), 0.2 * std::sin(2 * i));
+  }
+  return residual;
+}
+
+/// The largest difference, pixels, from project for points in the middle of the scanner's volume.
+/// Those face the light and lie in the projector's picture.
+double largest_lit_difference(const Scanner& scanner) {
+  const Eigen::Vector3d light = projector_centre(scanner);
+  const WorkingVolume volume = working_volume(scanner);
+
+  PacketSurfaces surfaces{};
+  for (int i = 0; i < packet_rays; ++i) {
+    const Eigen::Vector3d towards(std::cos(i), std::sin(i), std::cos(3 * i));
+    const Eigen::Vector3d point = volume.centre + 0.15 * volume.extent * towards;
+    surfaces.point.set(i, point);
+    surfaces.normal.set(i, (light - point).normalized());
+  }
+
+  const LightingPixels pixels = lighting_pixels(scanner, light, surfaces);
+  double largest = 0;
+  for (int i = 0; i < packet_rays; ++i) {
+    EXPECT_EQ(pixels.lit[i], 1) << i;
+    const Eigen::Vector2d alone =
+        project(scanner.projector, in_projector_frame(scanner, surfaces.point.at(i)));
+    const Eigen::Vector2d off = Eigen::Vector2d(pixels.column[i], pixels.row[i]) - alone;
+    largest = std::max(largest, off.norm());
+  }
+  return largest;
+}
+
+TEST(LensPacket, RaysAreThoseOfTheLens) {
   Lens lens = example_scanner({640, 480}).camera;
   EXPECT_LT(largest_difference(lens), 1e-14);
 
@@ -48,5 +87,24 @@ TEST(PacketRays, AreThoseOfTheLens) {
   EXPECT_LT(largest_difference(lens), 1e-14);
 }
 
-}  // namespace
-}  // namespace slipstream
+TEST(LensPacket, RaysAreThoseOfALensWithAResidualMap) {
+  Lens lens = example_scanner({640, 480}).camera;
+  lens.residual = wavy_residual(lens);
+  EXPECT_LT(largest_difference(lens), 1e-12);
+
+  lens.distortion = {};
+  EXPECT_LT(largest_difference(lens), 1e-12);
+}
+
+TEST(LensPacket, LightingPixelsAreThoseOfTheProjector) {
+  Scanner scanner = example_scanner({640, 480});
+  EXPECT_LT(largest_lit_difference(scanner), 1e-9);
+
+  // With a residual map, with and without distortion.
+  scanner.projector.residual = wavy_residual(scanner.projector);
+  EXPECT_LT(largest_lit_difference(scanner), 1e-9);
+  scanner.projector.distortion = {};
+  EXPECT_LT(largest_lit_difference(scanner), 1e-9);
+}
+
+}  // namespace slipstream::lens_packet_test

@@ -11,8 +11,7 @@
 #include "simulate/sculptures.h"
 #include "slipstream/scene.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::triangle_tree_test {
 
 /// Distance of the nearest triangle, found one by one; infinite without one.
 double nearest_of_all(const Mesh& mesh, const Ray& ray) {
@@ -98,5 +97,33 @@ TEST(TriangleTree, LeavesOutRaysOfNegativeDistance) {
   for (int i = 0; i < packet_rays; ++i) EXPECT_EQ(triangle[i] >= 0, i == 3) << i;
 }
 
-}  // namespace
-}  // namespace slipstream
+TEST(TriangleTree, MeetsPolesBetweenTrianglesWithoutArea) {
+  // At each pole of an ellipsoid every second triangle has two corners in one place.
+  constexpr double radius = 0.5;
+  Mesh ball;
+  append_ellipsoid(ball, {0, 0, 0}, {radius, radius, radius});
+  const TriangleTree tree(ball);
+
+  for (const double side : {-1.0, 1.0}) {
+    // The first ray meets the pole itself, the others lie beside it.
+    const Eigen::Vector3d origin(0, 2 * side, 0);
+    LaneVectors directions;
+    for (int i = 0; i < packet_rays; ++i) {
+      directions.set(i, {0.002 * i, -1.5 * side, 0.003 * i});
+    }
+
+    Lanes distance;
+    distance.fill(std::numeric_limits<double>::infinity());
+    std::array<int, packet_rays> triangle{};
+    tree.find_first(origin, directions, distance, triangle);
+
+    for (int i = 0; i < packet_rays; ++i) {
+      ASSERT_GE(triangle[i], 0) << i;
+      const Eigen::Vector3d point = origin + distance[i] * directions.at(i);
+      EXPECT_NEAR(point.norm(), radius, 2e-3) << i;
+      EXPECT_GT(tree.normal(triangle[i]).norm(), 0) << i;
+    }
+  }
+}
+
+}  // namespace slipstream::triangle_tree_test

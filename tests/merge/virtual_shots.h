@@ -65,8 +65,8 @@ inline Mesh ring_of_cones(int count) {
 
 inline Mesh ball() {
   Mesh mesh;
-  append_surface(mesh, 100, 200, [](double u, double v) {
-    const double t = std::numbers::pi * (0.01 + 0.98 * u), p = 2 * std::numbers::pi * v;
+  append_surface(mesh, 100, 200, [](double u, double v) -> Eigen::Vector3d {
+    const double t = std::numbers::pi * u, p = 2 * std::numbers::pi * v;
     return 80 * Eigen::Vector3d(std::sin(t) * std::cos(p), std::cos(t), std::sin(t) * std::sin(p));
   });
   return mesh;

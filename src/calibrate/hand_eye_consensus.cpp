@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <utility>
 
@@ -85,25 +86,26 @@ constexpr std::size_t fewest_for_left_out = 4;
 double largest_square(std::size_t used) {
   const double freedom = static_cast<double>(used) - 5;
   if (freedom <= 0) return std::numeric_limits<double>::infinity();
-  return 6 * (1 + std::pow(7 / freedom, 2));
+  return 6 * (1 + std::pow(9 / freedom, 2));
 }
 
 bool matters(const HandEyeError& error) {
   return error.translation > 0.3 || error.rotation > 0.05 * degree;  // mm, rad
 }
 
-/// Poses whose squares are above the limit and nearly as large as the worst: of many, one alone in
-/// each round would take long.
+/// The worst of the poses whose squares are above the limit: one, as it may spoil others, and of
+/// many poses one in 40, as each round of these takes long.
 std::vector<std::size_t> odd_poses(const LeftOut& left_out, double limit) {
-  constexpr double nearly = 0.5;  // of the worst
+  constexpr std::size_t poses_for_each = 40;
   const std::vector<double>& squares = left_out.squares;
-  const double worst = std::ranges::max(squares);
 
   std::vector<std::size_t> odd;
   for (std::size_t i = 0; i < squares.size(); ++i) {
-    if (squares[i] <= limit || squares[i] < nearly * worst) continue;
-    if (matters(sizes_of(*left_out.errors[i]))) odd.push_back(i);
+    if (squares[i] > limit && matters(sizes_of(*left_out.errors[i]))) odd.push_back(i);
   }
+
+  std::ranges::sort(odd, std::greater(), [&](std::size_t i) { return squares[i]; });
+  odd.resize(std::min(odd.size(), 1 + squares.size() / poses_for_each));
   return odd;
 }
 

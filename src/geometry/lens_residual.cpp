@@ -163,8 +163,9 @@ LensResidual scaled(LensResidual residual, double factor) {
 }
 
 LensResidual fitted_residual(const std::vector<ResidualSample>& samples, Size picture, int degree) {
-  constexpr int rounds = 3;
+  constexpr int rounds = 4;
   constexpr double deviations = 3;
+  constexpr double smallest_limit = 0.02;  // pixels; no picture shows less
 
   LensResidual residual{.centre = {(picture.width - 1) / 2.0, (picture.height - 1) / 2.0},
                         .half = {picture.width / 2.0, picture.height / 2.0}};
@@ -176,8 +177,10 @@ LensResidual fitted_residual(const std::vector<ResidualSample>& samples, Size pi
   for (int round = 0; round < rounds; ++round) {
     // 1. How far samples may be off: the first round takes all.
     const std::vector<double> distances = distances_from(samples, residual, degree, factors);
-    const double largest = round == 0 ? std::numeric_limits<double>::infinity()
-                                      : deviations * deviation_from_median(median(distances));
+    double largest = std::numeric_limits<double>::infinity();
+    if (round > 0) {
+      largest = std::max(smallest_limit, deviations * deviation_from_median(median(distances)));
+    }
 
     // 2. Least squares of the samples that are not too far off.
     Eigen::MatrixXd normal = held;

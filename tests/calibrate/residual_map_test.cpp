@@ -72,13 +72,21 @@ TEST(ResidualMap, IsFittedWithLensesAndPoses) {
   Scanner truth = example_scanner({640, 480});
   const Scanner model = truth;
   truth.camera.residual = {.centre = {319.5, 239.5}, .half = {320, 240}};
-  truth.camera.residual.terms.resize(10, Eigen::Vector2d(0.1, -0.1));
+  // Of a shape that neither the lens models nor the poses have: terms of degrees 5 and 6.
+  constexpr int degree = 6;
+  for (int i = 0; i <= degree; ++i) {
+    for (int j = 0; i + j <= degree; ++j) {
+      const double size = i + j >= 5 ? 0.05 : 0;
+      truth.camera.residual.terms.emplace_back(size, -size);
+    }
+  }
 
   const BoardPlaces printed = printed_places(board);
   const VirtualViews seen = virtual_views(truth, board, printed, 10, 0.005);
   const BundleState start{model, seen.poses, printed};
   const BundleState without = bundle_adjusted(seen.views, start, printed, {});
-  const BundleState with = adjusted_with_residual(seen.views, start, printed, {}, {.camera = 3});
+  const BundleState with =
+      adjusted_with_residual(seen.views, start, printed, {}, {.camera = degree});
 
   const VirtualViews others = virtual_views(truth, board, printed, 7, 0);
   EXPECT_LT(error_on(others.views, others.poses, with.scanner),

@@ -130,7 +130,7 @@ void describe_fit(const PreparedView& first, const PreparedView& second, std::si
 }
 
 /// Sets why the pose is refused, or that it is joined.
-void judge(const AlignmentSettings& settings, double spacing, PairAlignment& alignment) {
+void judge(const AlignmentSettings& settings, double reach, PairAlignment& alignment) {
   const auto refuse = [&](Refusal refusal, std::string reason) {
     alignment.refusal = refusal;
     alignment.reason = std::move(reason);
@@ -159,11 +159,11 @@ void judge(const AlignmentSettings& settings, double spacing, PairAlignment& ali
                        "as a plane, sphere, cylinder or corridor does (slope {:.3f}, {:.3f} or "
                        "more is needed)",
                        alignment.weakest_slope, settings.least_slope));
-  } else if (alignment.weakest_sigma > settings.most_uncertain * spacing) {
+  } else if (alignment.weakest_sigma > settings.most_uncertain * reach) {
     refuse(Refusal::slides,
            fmt::format("their common surface leaves a motion along itself uncertain by {:.2g} mm; "
                        "{:.2g} mm or less is needed",
-                       alignment.weakest_sigma, settings.most_uncertain * spacing));
+                       alignment.weakest_sigma, settings.most_uncertain * reach));
   } else {
     refuse(Refusal::none, {});
   }
@@ -239,7 +239,7 @@ void refuse_if_repeated(const PreparedView& second, const AlignmentSettings& set
   const double score = score_of(fits.front());
   for (std::size_t k = 1; k < fits.size(); ++k) {
     PairAlignment other = fits[k];
-    judge(settings, second.view().spacing, other);
+    judge(settings, second.reach(), other);
     const bool slides = other.refusal == Refusal::slides;
     if (!other.joined() && !slides) continue;
     if (score_of(other) < (slides ? alike_if_sliding : settings.alike) * score) continue;
@@ -302,7 +302,7 @@ PairAlignment align_views(const PreparedView& first, const PreparedView& second,
 
   // 4. The best once more, with all points. No other may fit about as well.
   best = fitted(first, second, fits.front().pose, 1, 40);
-  judge(settings, first.view().spacing, best);
+  judge(settings, first.reach(), best);
   if (best.joined()) refuse_if_repeated(second, settings, fits, best);
   return best;
 }
@@ -310,7 +310,7 @@ PairAlignment align_views(const PreparedView& first, const PreparedView& second,
 PairAlignment refine_alignment(const PreparedView& first, const PreparedView& second,
                                const Eigen::Isometry3d& start, const AlignmentSettings& settings) {
   PairAlignment alignment = fitted(first, second, roughly_settled(first, second, start), 1, 40);
-  judge(settings, first.view().spacing, alignment);
+  judge(settings, first.reach(), alignment);
   return alignment;
 }
 
@@ -319,7 +319,7 @@ PairAlignment alignment_at(const PreparedView& first, const PreparedView& second
   PairAlignment alignment;
   alignment.pose = pose;
   describe_fit(first, second, 1, alignment);
-  judge(settings, first.view().spacing, alignment);
+  judge(settings, first.reach(), alignment);
   return alignment;
 }
 

@@ -73,7 +73,10 @@ std::uint64_t HostileNetwork::lost_among_hostile_packets() const {
   });
   std::uint64_t frames = 1;
   while (sent < packets_wanted() || frames < 100) {
-    if (source->next(frame, 2s) != Arrival::frame) break;
+    // On a busy machine frames may come damaged, which the counters say.
+    const Arrival arrival = source->next(frame, 2s);
+    if (arrival == Arrival::damaged) continue;
+    if (arrival != Arrival::frame) break;
     ++frames;
     EXPECT_TRUE(same_pixels(frame, rendered_[frame.stamp.sequence % 4])) << frame.stamp.sequence;
   }

@@ -320,7 +320,7 @@ STARTS = {
     "frame board": "slipstream simulate boards --boards 1 --corners 13x9 --spacing 15"
                    " --camera 320x240; cp boards/scanner.yaml .",
     "merge view1": "for n in 1 2 3; do slipstream simulate s$n --scene statue --camera 320x240"
-                   " --seed $n; slipstream reconstruct s$n -o view$n.ply; done",
+                   " --steps 8 --seed $n; slipstream reconstruct s$n -o view$n.ply; done",
     "merge scan1": "for n in 1 2; do slipstream simulate scan$n --scene statue --camera 320x240"
                    " --seed $n; done",
     "unwrap wrapped": "slipstream simulate scan --strategy pmp --frequency 8 --steps 4;"

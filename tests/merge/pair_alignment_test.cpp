@@ -164,7 +164,9 @@ TEST(PairAlignmentAlignViews, FindsTheTurnOfARealTurntable) {
   const PairAlignment found = align_views(first, second);
   ASSERT_TRUE(found.joined()) << found.reason;
   EXPECT_NEAR(degrees_off(found.pose, Eigen::Isometry3d::Identity()), 1.381, 0.02);
-  EXPECT_LT(found.rms, 0.18);
+
+  // Both clouds have a noise of 0.15 mm.
+  EXPECT_LT(found.rms, 0.22);
 }
 
 }  // namespace slipstream::pair_alignment_test

@@ -79,7 +79,7 @@ class ProjectedLight {
   template <std::invocable<const LitSample&> Light>
   ProjectedLight(Light light)
       : of_samples_([light = std::move(light)](std::span<const LitSample> samples, double* to) {
-          std::ranges::transform(samples, to, light);
+          std::ranges::transform(samples, to, std::cref(light));
         }) {}
 
   /// `light`: of several samples, into an array of their number.

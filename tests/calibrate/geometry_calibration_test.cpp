@@ -106,7 +106,7 @@ INSTANTIATE_TEST_SUITE_P(
         CalibrationBoard{.kind = BoardKind::circles, .columns = 6, .rows = 9, .spacing = 15},
         CalibrationBoard{.kind = BoardKind::charuco, .columns = 9, .rows = 6, .spacing = 20},
         CalibrationBoard{
-            .kind = BoardKind::symmetric_circles, .columns = 9, .rows = 7, .spacing = 20}),
+            .kind = BoardKind::symmetric_circles, .columns = 9, .rows = 7, .spacing = 15}),
     [](const auto& board) {
       std::string name(name_of(board.param.kind));
       std::ranges::replace(name, '-', '_');

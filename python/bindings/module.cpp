@@ -12,6 +12,7 @@
 #include "python/bindings/findings.h"
 #include "python/bindings/keyword_names.h"
 #include "python/bindings/live.h"
+#include "python/bindings/map_files.h"
 #include "python/bindings/scanners.h"
 #include "python/bindings/scans.h"
 #include "python/bindings/sequences.h"
@@ -89,6 +90,8 @@ PYBIND11_MODULE(_slipstream, module) {
   bind_scans(module);
   bind_findings(module);
   bind_clouds(module);
+  bind_map_files(module);
+  bind_spatial_unwrapping(module);
   bind_engine(module);
   bind_virtual_world(module);
   bind_calibration(module);

@@ -71,6 +71,7 @@ struct Parameters {
   }
 
   LensNumbers camera, projector;
+  PoseNumbers base{};  ///< the camera's own motion: none
   PoseNumbers rig;
   std::vector<PoseNumbers> poses;
   BoardPlaces places;
@@ -86,6 +87,7 @@ class BundleProblem {
     adjustment_.settle_lens(parameters_.projector, settings.hold_projector,
                             settings.projector_coefficients);
 
+    adjustment_.hold(parameters_.base.data());
     if (settings.hold_rig) adjustment_.hold(parameters_.rig.data());
     adjustment_.settle_places(parameters_.places, printed, settings.print_deviation);
   }
@@ -111,6 +113,7 @@ class BundleProblem {
   void add_view(const BoardView& view, std::size_t v, const PixelDeviations& deviations) {
     double* const camera = parameters_.camera.data();
     double* const projector = parameters_.projector.data();
+    double* const base = parameters_.base.data();
     double* const rig = parameters_.rig.data();
     double* const pose = parameters_.poses[v].data();
 
@@ -121,12 +124,12 @@ class BundleProblem {
       if (is_lit(view, i)) {
         adjustment_.add(std::make_unique<PairError>(view.camera[i], view.projector[i],
                                                     slope_at(view, i), deviations),
-                        true, camera, projector, rig, pose, place);
+                        true, camera, projector, base, rig, pose, place);
       } else if (view.camera[i].allFinite()) {
-        adjustment_.add(std::make_unique<CameraError>(view.camera[i], deviations.camera), true,
-                        camera, pose, place);
+        adjustment_.add(std::make_unique<CornerError>(view.camera[i], deviations.camera), true,
+                        camera, base, pose, place);
       } else if (view.projector[i].allFinite()) {
-        adjustment_.add(std::make_unique<DeviceError>(view.projector[i], deviations.projector),
+        adjustment_.add(std::make_unique<CornerError>(view.projector[i], deviations.projector),
                         true, projector, rig, pose, place);
       }
     }

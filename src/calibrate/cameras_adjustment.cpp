@@ -64,6 +64,7 @@ class CamerasProblem {
       adjustment_.settle_lens(numbers_.cameras[c], false, settings.camera_coefficients[c]);
     }
 
+    adjustment_.hold(numbers_.motions[0].data());  // the first camera is the base
     adjustment_.settle_lens(numbers_.projector, false, settings.projector_coefficients);
     adjustment_.settle_places(numbers_.places, printed, settings.print_deviation);
   }
@@ -108,21 +109,14 @@ class CamerasProblem {
       double* const place = numbers_.places[view.places[i]].data();
       const Eigen::Vector2d &seen = view.camera[i], &lit = view.projector[i];
 
-      // The first camera is the base: it needs no motion.
-      if (is_lit(view, i) && c == 0) {
+      if (is_lit(view, i)) {
         adjustment_.add(std::make_unique<PairError>(seen, lit, slope_at(view, i), deviations), true,
-                        camera, projector, rig, pose, place);
-      } else if (is_lit(view, i)) {
-        adjustment_.add(std::make_unique<DevicePairError>(seen, lit, slope_at(view, i), deviations),
-                        true, camera, projector, motion, rig, pose, place);
-      } else if (seen.allFinite() && c == 0) {
-        adjustment_.add(std::make_unique<CameraError>(seen, deviations.camera), true, camera, pose,
-                        place);
+                        camera, projector, motion, rig, pose, place);
       } else if (seen.allFinite()) {
-        adjustment_.add(std::make_unique<DeviceError>(seen, deviations.camera), true, camera,
+        adjustment_.add(std::make_unique<CornerError>(seen, deviations.camera), true, camera,
                         motion, pose, place);
       } else if (lit.allFinite()) {
-        adjustment_.add(std::make_unique<DeviceError>(lit, deviations.projector), true, projector,
+        adjustment_.add(std::make_unique<CornerError>(lit, deviations.projector), true, projector,
                         rig, pose, place);
       }
     }

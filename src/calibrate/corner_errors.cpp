@@ -20,51 +20,7 @@ Eigen::Matrix4d to_pair_residuals(const Eigen::Matrix2d& slope, const PixelDevia
   return to_residuals;
 }
 
-bool CameraError::Evaluate(const double* const* parameters, double* residuals,
-                           double** jacobians) const {
-  const MovedPoint in_camera =
-      moved_point(parameters[1], Eigen::Map<const Eigen::Vector3d>(parameters[2]));
-  const SeenPoint predicted = seen_point(parameters[0], in_camera.point);
-  Eigen::Map<Eigen::Vector2d>{residuals} = (seen_ - predicted.pixel) / deviation_;
-  if (jacobians == nullptr) return true;
-
-  // By the chain rule: pixel by camera point, camera point by pose and place.
-  const Eigen::Matrix<double, 2, 3> by_point = -predicted.by_point / deviation_;
-  set_block<lens_number_count>(jacobians, 0, -predicted.by_lens / deviation_);
-  set_block<6>(jacobians, 1, by_point * in_camera.by_pose);
-  set_block<3>(jacobians, 2, by_point * in_camera.by_point);
-  return true;
-}
-
-bool PairError::Evaluate(const double* const* parameters, double* residuals,
-                         double** jacobians) const {
-  const MovedPoint in_camera =
-      moved_point(parameters[3], Eigen::Map<const Eigen::Vector3d>(parameters[4]));
-  const MovedPoint in_projector = moved_point(parameters[2], in_camera.point);
-  const SeenPoint camera = seen_point(parameters[0], in_camera.point);
-  const SeenPoint projector = seen_point(parameters[1], in_projector.point);
-
-  Eigen::Vector4d distances;
-  distances << camera_seen_ - camera.pixel, projector_seen_ - projector.pixel;
-  Eigen::Map<Eigen::Vector4d>{residuals} = to_residuals_ * distances;
-  if (jacobians == nullptr) return true;
-
-  // By the chain rule; the pose and the place move the point in both devices' frames.
-  const Eigen::Matrix<double, 4, 2> by_camera = -to_residuals_.leftCols<2>();
-  const Eigen::Matrix<double, 4, 2> by_projector = -to_residuals_.rightCols<2>();
-  const Eigen::Matrix<double, 4, 3> by_projector_point = by_projector * projector.by_point;
-  const Eigen::Matrix<double, 4, 3> by_point =
-      by_camera * camera.by_point + by_projector_point * in_projector.by_point;
-
-  set_block<lens_number_count>(jacobians, 0, by_camera * camera.by_lens);
-  set_block<lens_number_count>(jacobians, 1, by_projector * projector.by_lens);
-  set_block<6>(jacobians, 2, by_projector_point * in_projector.by_pose);
-  set_block<6>(jacobians, 3, by_point * in_camera.by_pose);
-  set_block<3>(jacobians, 4, by_point * in_camera.by_point);
-  return true;
-}
-
-bool DeviceError::Evaluate(const double* const* parameters, double* residuals,
+bool CornerError::Evaluate(const double* const* parameters, double* residuals,
                            double** jacobians) const {
   const MovedPoint in_base =
       moved_point(parameters[2], Eigen::Map<const Eigen::Vector3d>(parameters[3]));
@@ -73,6 +29,7 @@ bool DeviceError::Evaluate(const double* const* parameters, double* residuals,
   Eigen::Map<Eigen::Vector2d>{residuals} = (seen_ - predicted.pixel) / deviation_;
   if (jacobians == nullptr) return true;
 
+  // By the chain rule: pixel by device point, device point by motion, pose and place.
   const Eigen::Matrix<double, 2, 3> by_device_point = -predicted.by_point / deviation_;
   const Eigen::Matrix<double, 2, 3> by_point = by_device_point * in_device.by_point;
   set_block<lens_number_count>(jacobians, 0, -predicted.by_lens / deviation_);
@@ -82,8 +39,8 @@ bool DeviceError::Evaluate(const double* const* parameters, double* residuals,
   return true;
 }
 
-bool DevicePairError::Evaluate(const double* const* parameters, double* residuals,
-                               double** jacobians) const {
+bool PairError::Evaluate(const double* const* parameters, double* residuals,
+                         double** jacobians) const {
   const MovedPoint in_base =
       moved_point(parameters[4], Eigen::Map<const Eigen::Vector3d>(parameters[5]));
   const MovedPoint in_camera = moved_point(parameters[2], in_base.point);

@@ -16,10 +16,12 @@ namespace slipstream {
 /// projector's, and divides by the deviations. `slope`: see BoardView::slopes.
 Eigen::Matrix4d to_pair_residuals(const Eigen::Matrix2d& slope, const PixelDeviations& deviations);
 
-/// Camera residual of a corner, in standard deviations. Parameters: lens, pose, place.
-class CameraError : public ceres::SizedCostFunction<2, lens_number_count, 6, 3> {
+/// Residual of a corner in a device, in standard deviations. Parameters: lens, motion from the
+/// base's frame to the device's (of the base itself zero and held), board's pose in the base's
+/// frame, place.
+class CornerError : public ceres::SizedCostFunction<2, lens_number_count, 6, 6, 3> {
  public:
-  CameraError(Eigen::Vector2d seen, double deviation)  // pixels
+  CornerError(Eigen::Vector2d seen, double deviation)  // pixels
       : seen_(std::move(seen)), deviation_(deviation) {}
 
   bool Evaluate(const double* const* parameters, double* residuals,
@@ -30,48 +32,14 @@ class CameraError : public ceres::SizedCostFunction<2, lens_number_count, 6, 3> 
   double deviation_;
 };
 
-/// Camera and projector residual of a corner, in standard deviations; the projector's without the
-/// part that the camera's causes. Parameters: camera, projector, rig, pose, place.
+/// Residuals of a corner in a camera and in the projector; the projector's without the part that
+/// the camera's causes. Parameters: lens of the camera, lens of the projector, motions from the
+/// base's frame to the camera's and to the projector's, pose, place.
 class PairError
-    : public ceres::SizedCostFunction<4, lens_number_count, lens_number_count, 6, 6, 3> {
+    : public ceres::SizedCostFunction<4, lens_number_count, lens_number_count, 6, 6, 6, 3> {
  public:
   PairError(Eigen::Vector2d camera_seen, Eigen::Vector2d projector_seen,
             const Eigen::Matrix2d& slope, const PixelDeviations& deviations)
-      : camera_seen_(std::move(camera_seen)),
-        projector_seen_(std::move(projector_seen)),
-        to_residuals_(to_pair_residuals(slope, deviations)) {}
-
-  bool Evaluate(const double* const* parameters, double* residuals,
-                double** jacobians) const override;
-
- private:
-  Eigen::Vector2d camera_seen_, projector_seen_;
-  Eigen::Matrix4d to_residuals_;
-};
-
-/// Residual of a corner in a device that is not the base, in standard deviations. Parameters: lens,
-/// motion from the base's frame to the device's, board's pose in the base's frame, place.
-class DeviceError : public ceres::SizedCostFunction<2, lens_number_count, 6, 6, 3> {
- public:
-  DeviceError(Eigen::Vector2d seen, double deviation)  // pixels
-      : seen_(std::move(seen)), deviation_(deviation) {}
-
-  bool Evaluate(const double* const* parameters, double* residuals,
-                double** jacobians) const override;
-
- private:
-  Eigen::Vector2d seen_;
-  double deviation_;
-};
-
-/// Residuals of a corner in such a device and in the projector; the projector's without the part
-/// that the device's causes. Parameters: lens of the device, lens of the projector, motions from
-/// the base's frame to the device's and to the projector's, pose, place.
-class DevicePairError
-    : public ceres::SizedCostFunction<4, lens_number_count, lens_number_count, 6, 6, 6, 3> {
- public:
-  DevicePairError(Eigen::Vector2d camera_seen, Eigen::Vector2d projector_seen,
-                  const Eigen::Matrix2d& slope, const PixelDeviations& deviations)
       : camera_seen_(std::move(camera_seen)),
         projector_seen_(std::move(projector_seen)),
         to_residuals_(to_pair_residuals(slope, deviations)) {}

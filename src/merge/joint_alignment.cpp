@@ -111,8 +111,8 @@ bool has_pair(const std::vector<ViewLink>& links, std::size_t first, std::size_t
   });
 }
 
-/// Adds a pair that was compared from the poses of both views. If it joins, it is no longer
-/// refused; else what it was refused for at first stays.
+/// Adds a pair that was compared at the poses of both views. A pair that joins leaves the refused
+/// ones; a pair that is refused again keeps its first reason.
 void add_compared(std::size_t first, std::size_t second, PairAlignment alignment,
                   JointAlignment& joint) {
   if (alignment.joined()) {

@@ -159,29 +159,6 @@ TEST_F(Program, MultiplexesTheCueIntoTheSameFrames) {
       2, {"share", "0.25"});
 }
 
-using ProgramBench = Program;  // not in sanitized builds: other tests cover the same code
-TEST_F(ProgramBench, TimesEveryRow) {
-  const ProgramRun run = run_program({"bench", "--quick", "--json"});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  for (const std::string name :
-       {"general", "closed-form", "mlut", "plut", "mlut+plut", "2+1", "inverse", "form1", "form2",
-        "form3", "equations", "traditional", "lut", "simd", "fused", "engine", "fused-corrected",
-        "fused-dual", "opencv-hand"}) {
-    EXPECT_NE(run.out.find("\"name\": \"" + name + "\""), std::string::npos) << name;
-  }
-  for (const char* key : {"steps", "width", "height", "threads", "ms", "fps"}) {
-    EXPECT_NE(run.out.find("\"" + std::string(key) + "\": "), std::string::npos) << key;
-  }
-}
-
-TEST_F(ProgramBench, HoldsAGpuBesideTheFusedPass) {
-  const ProgramRun run = run_program({"bench", "--gpu", "--quick"});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  for (const char* words : {"GPU: ", "gpu-cloud", "gpu-dual-depth16", "gpu-multi-resident"}) {
-    EXPECT_NE(run.out.find(words), std::string::npos) << words << " in\n" << run.out;
-  }
-}
-
 TEST_F(Program, TakesSeveralScans) {
   fs::copy(path("scan"), path("other"), fs::copy_options::recursive);
   const ProgramRun run =

@@ -35,11 +35,11 @@ BoardViews without_residual(BoardViews views, const Scanner& scanner);
 
 /// Minimises the reprojection errors of both devices over all free parameters, with Huber's loss
 /// and each device's errors in units of their robustly estimated standard deviation. Starts from
-/// `start`, whose poses and places must match `views`; `printed`: nominal corners of the board.
+/// `state`, whose poses and places must match `views`; `printed`: nominal corners of the board.
 /// Keeps the lenses' residual maps. If not null, `deviation` receives the standard deviations for
 /// independent corner errors. Throws Error if it does not converge, or if the poses do not
 /// determine the requested `deviation`.
-BundleState bundle_adjusted(const BoardViews& views, BundleState start, const BoardPlaces& printed,
+BundleState bundle_adjusted(const BoardViews& views, BundleState state, const BoardPlaces& printed,
                             const BundleSettings& settings, BundleDeviation* deviation = nullptr);
 
 /// The larger of `deviation`, which assumes independent corner errors, and the jackknife's: m

@@ -17,10 +17,6 @@ namespace {
 
 using Motion6 = Eigen::Matrix<double, 6, 1>;
 
-Eigen::Isometry3d rig_of(const Scanner& scanner) {
-  return Eigen::Translation3d(scanner.translation) * Eigen::Isometry3d(scanner.rotation);
-}
-
 /// Throws Error for residual maps, which the joint adjustment does not know.
 void require_no_residual_maps(const std::vector<GeometryCalibration>& alone,
                               const GeometryCalibrationSettings& settings) {
@@ -189,17 +185,13 @@ CamerasCalibration calibrate_together(std::vector<GeometryCalibration> alone,
   CamerasCalibration result{std::move(alone), camera_poses(state, deviation, without_one)};
   for (std::size_t c = 0; c < result.cameras.size(); ++c) {
     GeometryCalibration& camera = result.cameras[c];
-    BundleDeviation own{.camera = deviation.cameras[c], .projector = deviation.projector};
-    if (c == 0) {
-      own.rotation = deviation.motions[0].head<3>();
-      own.translation = deviation.motions[0].tail<3>();
-    }
 
     std::vector<Scanner> scanners;
     for (const CamerasState& rest : without_one) {
       scanners.push_back(state_of_camera(rest, views, c).scanner);
     }
-    update(camera, state_of_camera(state, views, c), widened(own, scanners));
+    update(camera, state_of_camera(state, views, c),
+           widened(deviation_of_camera(deviation, c), scanners));
     camera.projector_lens.coefficients = joint.projector_coefficients;
 
     for (std::size_t v = 0; v < camera.views.size(); ++v) {

@@ -7,6 +7,7 @@
 
 #include "calibrate/adjustment.h"
 #include "calibrate/cameras_adjustment.h"
+#include "calibrate/left_out.h"
 
 namespace slipstream {
 namespace {
@@ -107,15 +108,10 @@ BundleState bundle_adjusted(const BoardViews& seen, BundleState state, const Boa
 }
 
 BundleDeviation widened(BundleDeviation deviation, const std::vector<Scanner>& without_one) {
-  const auto m = static_cast<double>(without_one.size());
+  std::vector<RigNumbers> rows;
+  for (const Scanner& scanner : without_one) rows.push_back(rig_numbers_of(scanner));
 
-  RigNumbers mean = RigNumbers::Zero(), squares = RigNumbers::Zero();
-  for (const Scanner& scanner : without_one) mean += rig_numbers_of(scanner) / m;
-  for (const Scanner& scanner : without_one)
-    squares += (rig_numbers_of(scanner) - mean).cwiseAbs2();
-
-  const RigNumbers jackknife = ((m - 1) / m * squares).cwiseSqrt();
-  with_row(deviation, jackknife,
+  with_row(deviation, jackknife(rows),
            [](double& value, double number) { value = std::max(value, number); });
   return deviation;
 }

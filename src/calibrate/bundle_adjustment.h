@@ -42,10 +42,9 @@ BoardViews without_residual(BoardViews views, const Scanner& scanner);
 BundleState bundle_adjusted(const BoardViews& views, BundleState state, const BoardPlaces& printed,
                             const BundleSettings& settings, BundleDeviation* deviation = nullptr);
 
-/// The larger of `deviation`, which assumes independent corner errors, and the jackknife's: m
-/// calibrations, each without one of the m poses, deviate from their mean by
-/// sigma^2 = (m - 1) / m * (sum of squares). The jackknife includes errors common to a pose's
-/// corners, but not errors common to all poses, such as the print's scale.
+/// The larger of `deviation`, which assumes independent corner errors, and the jackknife's of
+/// calibrations without each pose. The jackknife includes errors common to a pose's corners, but
+/// not errors common to all poses, such as the print's scale.
 BundleDeviation widened(BundleDeviation deviation, const std::vector<Scanner>& without_one);
 
 }  // namespace slipstream

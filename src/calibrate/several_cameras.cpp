@@ -10,6 +10,7 @@
 #include "base/throw_if-inl.h"
 #include "calibrate/bundle_adjustment.h"
 #include "calibrate/cameras_adjustment.h"
+#include "calibrate/left_out.h"
 #include "calibrate/reprojection.h"
 
 namespace slipstream {
@@ -116,20 +117,16 @@ Motion6 motion_from(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) 
 /// The poses of the cameras after the first, with the larger of both deviations: see widened.
 std::vector<CameraPose> camera_poses(const CamerasState& state, const CamerasDeviation& deviation,
                                      const std::vector<CamerasState>& without_one) {
-  const auto m = static_cast<double>(without_one.size());
   std::vector<CameraPose> poses;
-
   for (std::size_t c = 1; c < state.cameras.size(); ++c) {
-    Motion6 mean = Motion6::Zero(), squares = Motion6::Zero();
     const Eigen::Isometry3d& pose = state.cameras_from_first[c];
+
+    std::vector<Motion6> changes;
     for (const CamerasState& rest : without_one) {
-      const Motion6 off = motion_from(pose, rest.cameras_from_first[c]);
-      mean += off / m;
-      squares += off.cwiseAbs2();
+      changes.push_back(motion_from(pose, rest.cameras_from_first[c]));
     }
 
-    const Motion6 spread = ((m - 1) / m * (squares - m * mean.cwiseAbs2()).cwiseMax(0)).cwiseSqrt();
-    const Motion6 sigma = spread.cwiseMax(deviation.motions[c]);
+    const Motion6 sigma = jackknife(changes).cwiseMax(deviation.motions[c]);
     poses.push_back({pose, sigma.head<3>(), sigma.tail<3>()});
   }
   return poses;

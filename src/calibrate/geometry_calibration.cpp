@@ -215,18 +215,14 @@ ResidualDegrees residual_degrees(const BoardViews& views, const BundleState& sta
 
 /// Adds the poses with their reprojection errors, and those of all.
 void add_reprojections(const BoardViews& views, GeometryCalibration& result) {
-  Reprojection all;
   for (std::size_t v = 0; v < views.size(); ++v) {
-    const Reprojection of_pose = reprojection(views[v], result.state, v);
-    all.camera.add(of_pose.camera);
-    all.projector.add(of_pose.projector);
     result.poses.push_back({.name = views[v].name,
                             .corners = static_cast<int>(views[v].places.size()),
                             .lit = lit_corners(views[v]),
-                            .rms = of_pose.rms()});
+                            .rms = reprojection(views[v], result.state, v).rms()});
   }
 
-  result.rms = all.rms();
+  result.rms = reprojection(views, result.state).rms();
   result.state.scanner.calibration_rms = result.rms.stereo;
 }
 

@@ -161,6 +161,16 @@ Reprojection reprojection(const BoardView& view, const BundleState& state, std::
           squares_of(residuals(view, state, v, Device::projector))};
 }
 
+Reprojection reprojection(const BoardViews& views, const BundleState& state) {
+  Reprojection all;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const Reprojection of_pose = reprojection(views[v], state, v);
+    all.camera.add(of_pose.camera);
+    all.projector.add(of_pose.projector);
+  }
+  return all;
+}
+
 std::optional<BoardQuality> board_quality(const BoardView& view, const Scanner& scanner,
                                           const BoardPlaces& printed) {
   BoardPlaces points, places;

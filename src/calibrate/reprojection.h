@@ -67,6 +67,8 @@ struct Reprojection {
 
 /// `view` is pose `v` of the state.
 Reprojection reprojection(const BoardView& view, const BundleState& state, std::size_t v);
+/// Of all poses together.
+Reprojection reprojection(const BoardViews& views, const BundleState& state);
 
 /// Returns nullopt if fewer than four corners are lit.
 std::optional<BoardQuality> board_quality(const BoardView& view, const Scanner& scanner,

@@ -68,12 +68,7 @@ LeftOutError held_out_error(const BoardViews& views, const BundleState& state,
   const BundleState explained =
       bundle_adjusted(left_out.views, std::move(left_out.state), state.places, settings);
 
-  Reprojection all;
-  for (std::size_t v = 0; v < left_out.views.size(); ++v) {
-    const Reprojection of_pose = reprojection(left_out.views[v], explained, v);
-    all.camera.add(of_pose.camera);
-    all.projector.add(of_pose.projector);
-  }
+  const Reprojection all = reprojection(left_out.views, explained);
   const double rms = device == Device::camera ? all.camera.rms() : all.projector.rms();
   return {mean_squared_error(left_out.views, explained, *settings.pixel_deviations), rms * rms};
 }

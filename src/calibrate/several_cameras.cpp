@@ -141,14 +141,10 @@ void update(GeometryCalibration& camera, const BundleState& state,
   camera.state.scanner.calibrated_depths = before.calibrated_depths;
   camera.deviation = deviation;
 
-  Reprojection all;
   for (std::size_t v = 0; v < camera.views.size(); ++v) {
-    const Reprojection of_pose = reprojection(camera.views[v], camera.state, v);
-    all.camera.add(of_pose.camera);
-    all.projector.add(of_pose.projector);
-    camera.poses[v].rms = of_pose.rms();
+    camera.poses[v].rms = reprojection(camera.views[v], camera.state, v).rms();
   }
-  camera.rms = all.rms();
+  camera.rms = reprojection(camera.views, camera.state).rms();
   camera.state.scanner.calibration_rms = camera.rms.stereo;
   require_valid(camera.state.scanner);
 }

@@ -61,11 +61,7 @@ double error_on(const BoardViews& others, const std::vector<Eigen::Isometry3d>& 
       bundle_adjusted(others, {found, poses, printed}, printed,
                       {.hold_camera = true, .hold_projector = true, .hold_rig = true});
 
-  Squares camera;
-  for (std::size_t v = 0; v < others.size(); ++v) {
-    camera.add(reprojection(others[v], state, v).camera);
-  }
-  return camera.rms();
+  return reprojection(others, state).camera.rms();
 }
 
 TEST(ResidualMap, IsFittedWithLensesAndPoses) {

@@ -131,22 +131,11 @@ void require_known_model(const std::optional<int>& coefficients, const char* dev
 }
 
 /// Mean squared error of a fold's held-out poses.
-double left_out_error(const BoardViews& views, const BundleState& state, BundleSettings settings,
-                      std::size_t fold, std::size_t folds) {
-  const auto is_left_out = [&](std::size_t pose) { return pose % folds == fold; };
-
-  SomePoses kept = some_poses(views, state, std::not_fn(is_left_out));
-  forget_held_coefficients(kept.state.scanner, settings);
-  const BundleState calibrated =
-      bundle_adjusted(kept.views, std::move(kept.state), state.places, settings);
-
-  // The held-out poses may move, but lenses and rig stay.
-  SomePoses left_out = some_poses(views, state, is_left_out);
-  left_out.state.scanner = calibrated.scanner;
-  settings.hold_camera = settings.hold_projector = settings.hold_rig = true;
-  const BundleState explained =
-      bundle_adjusted(left_out.views, std::move(left_out.state), state.places, settings);
-  return mean_squared_error(left_out.views, explained, *settings.pixel_deviations);
+double left_out_error(const BoardViews& views, BundleState state, const BundleSettings& settings,
+                      std::size_t fold) {
+  forget_held_coefficients(state.scanner, settings);
+  const SomePoses explained = explained_fold(views, state, settings, {}, fold);
+  return mean_squared_error(explained.views, explained.state, *settings.pixel_deviations);
 }
 
 /// The model that is `asked` for, else the simplest that the data support: calibrates each model
@@ -177,9 +166,8 @@ LensChoice chosen_model(const std::optional<int>& asked, const BoardViews& views
         coefficients;
 
     std::vector<double> by_fold(folds);
-    for_each_row(static_cast<int>(folds), [&](int fold) {
-      by_fold[fold] = left_out_error(views, state, settings, fold, folds);
-    });
+    for_each_row(static_cast<int>(folds),
+                 [&](int fold) { by_fold[fold] = left_out_error(views, state, settings, fold); });
 
     errors.push_back(by_fold);
     choice.scores.push_back({coefficients, std::sqrt(mean_of(by_fold))});

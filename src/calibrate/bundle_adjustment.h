@@ -27,6 +27,10 @@ struct BundleSettings {
   std::optional<PixelDeviations> pixel_deviations = std::nullopt;
 };
 
+/// Only the boards move.
+inline constexpr BundleSettings all_held{
+    .hold_camera = true, .hold_projector = true, .hold_rig = true};
+
 /// Sets the fixed distortion coefficients to zero, so that none remain from a larger lens model.
 void forget_held_coefficients(Scanner& scanner, const BundleSettings& settings);
 

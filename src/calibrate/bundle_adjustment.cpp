@@ -41,8 +41,7 @@ void with_row(BundleDeviation& deviation, const RigNumbers& row, const Use& use)
   each(deviation.translation);
 }
 
-}  // namespace
-
+/// The views with corners where the lens models without their residual maps see them.
 BoardViews without_residual(BoardViews views, const Scanner& scanner) {
   for (BoardView& view : views) {
     for (Eigen::Vector2d& pixel : view.camera) pixel -= shift_at(scanner.camera.residual, pixel);
@@ -52,6 +51,8 @@ BoardViews without_residual(BoardViews views, const Scanner& scanner) {
   }
   return views;
 }
+
+}  // namespace
 
 void forget_held_coefficients(Scanner& scanner, const BundleSettings& settings) {
   const auto forget = [](Lens& lens, int free) {

@@ -34,9 +34,6 @@ inline constexpr BundleSettings all_held{
 /// Sets the fixed distortion coefficients to zero, so that none remain from a larger lens model.
 void forget_held_coefficients(Scanner& scanner, const BundleSettings& settings);
 
-/// The views with corners where the lens models without their residual maps see them.
-BoardViews without_residual(BoardViews views, const Scanner& scanner);
-
 /// Minimises the reprojection errors of both devices over all free parameters, with Huber's loss
 /// and each device's errors in units of their robustly estimated standard deviation. Starts from
 /// `state`, whose poses and places must match `views`; `printed`: nominal corners of the board.

@@ -255,13 +255,9 @@ Eigen::Matrix<double, 12, 12> covariance_of_poses(std::span<const PosePair> pair
 
 }  // namespace
 
-Eigen::Isometry3d predicted_board(const Eigen::Isometry3d& robot, const HandEyePoses& poses,
-                                  EyePlace place) {
-  return poses.camera.inverse() * between_carriers(robot, place) * poses.board;
-}
-
 PoseError error_of(const PosePair& pair, const HandEyePoses& poses, EyePlace place) {
-  const Eigen::Isometry3d predicted = predicted_board(pair.robot, poses, place);
+  const Eigen::Isometry3d predicted =
+      poses.camera.inverse() * between_carriers(pair.robot, place) * poses.board;
   PoseError error;
   error << vector_of(pair.board.linear() * predicted.linear().transpose()),
       pair.board.translation() - predicted.translation();

@@ -20,7 +20,8 @@ PointColumns columns_of(std::span<const Eigen::Vector3d> points) {
 }
 
 /// The middle singular value of points on a line is 0.
-void require_spread(const PointColumns& centred) {
+void require_spread(const PointColumns& points) {
+  const PointColumns centred = points.colwise() - points.rowwise().mean();
   const Eigen::Vector3d spread =
       Eigen::JacobiSVD<Eigen::Matrix3d>(centred * centred.transpose()).singularValues();
   throw_if(!(spread[1] > 1e-8 * spread[0]),
@@ -37,27 +38,12 @@ PointFit fit_points(std::span<const Eigen::Vector3d> points,
   throw_if(points.size() < 3, "{} pairs of points do not determine a pose; use at least 3",
            points.size());
 
-  // 1. Both sets about their means.
-  PointColumns from = columns_of(points), to = columns_of(partners);
+  const PointColumns from = columns_of(points), to = columns_of(partners);
   throw_if(!from.allFinite() || !to.allFinite(), "a point has a coordinate that is not finite");
-
-  const Eigen::Vector3d middle = from.rowwise().mean(), target = to.rowwise().mean();
-  from.colwise() -= middle;
-  to.colwise() -= target;
   require_spread(from);
   require_spread(to);
 
-  // 2. The rotation nearest to their covariance; its last axis may have to change sign.
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(to * from.transpose(),
-                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Vector3d signs(1, 1, 1);
-  if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0) signs[2] = -1;
-
-  PointFit fit;
-  fit.pose.linear() = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
-  fit.pose.translation() = target - fit.pose.linear() * middle;
-
-  // 3. The distances that remain.
+  PointFit fit{.pose = Eigen::Isometry3d(Eigen::umeyama(from, to, false))};
   double squares = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     fit.residuals.push_back((fit.pose * points[i] - partners[i]).norm());

@@ -9,7 +9,6 @@
 #include <string>
 
 #include <Eigen/QR>
-#include <Eigen/SVD>
 
 #include "base/numbers.h"
 #include "base/statistics.h"
@@ -70,14 +69,6 @@ std::vector<ReadRows> read_in_all(const PoseTable& table,
     all.push_back(std::move(rows));
   }
   return all;
-}
-
-/// The rotation nearest to a sum of rotations.
-Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& sum) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d sign = Eigen::Matrix3d::Identity();
-  sign(2, 2) = svd.matrixU().determinant() * svd.matrixV().determinant() < 0 ? -1 : 1;
-  return svd.matrixU() * sign * svd.matrixV().transpose();
 }
 
 /// The camera's carrier in the board's carrier, and the board in the camera, at each moment: with

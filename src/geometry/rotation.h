@@ -37,6 +37,9 @@ std::string_view name_of(QuaternionOrder order);
 /// few as four digits.
 inline constexpr double rotation_tolerance = 1e-3;
 
+/// The rotation nearest to a matrix, such as a sum of rotations.
+Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix);
+
 /// The rotation nearest to a rounded one. Throws Error, saying how far it is off, if an entry of
 /// the matrix is not finite, its columns are not orthogonal unit vectors within
 /// rotation_tolerance, or it mirrors.

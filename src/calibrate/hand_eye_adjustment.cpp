@@ -106,11 +106,8 @@ Matrix6 robot_effect(const PosePair& pair, const HandEyePoses& poses, EyePlace p
   }
 
   // A turn of the tool moves the board by its distance from the tool.
-  Eigen::Matrix3d cross;
-  cross << 0, -board.z(), board.y(), board.z(), 0, -board.x(), -board.y(), board.x(), 0;
-
   Matrix6 effect;
-  effect << from_tool, Eigen::Matrix3d::Zero(), -from_tool * cross, from_tool;
+  effect << from_tool, Eigen::Matrix3d::Zero(), -from_tool * cross_matrix(board), from_tool;
   return effect;
 }
 

@@ -9,6 +9,7 @@
 #include <Eigen/Sparse>
 #include <fmt/format.h>
 
+#include "geometry/rotation.h"
 #include "merge/consensus.h"
 
 namespace slipstream {
@@ -295,8 +296,7 @@ void balance_links(const std::vector<PreparedView>& views, const std::vector<Vie
 
       // Weighted by how far it moves the view's points.
       Eigen::Matrix<double, 3, 6> moved;
-      moved << 0, middle.z(), -middle.y(), 1, 0, 0, -middle.z(), 0, middle.x(), 0, 1, 0, middle.y(),
-          -middle.x(), 0, 0, 0, 1;
+      moved << -cross_matrix(middle), Eigen::Matrix3d::Identity();
       Matrix6 squares = moved.transpose() * moved;
       squares.diagonal().head<3>().array() += 2.0 / 3 * second.reach() * second.reach();
       const double off = contradiction(second, wanted, pose);

@@ -2,9 +2,11 @@
 
 #include <cmath>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 
 #include "base/throw_if-inl.h"
+#include "geometry/rotation.h"
 
 namespace slipstream {
 namespace {
@@ -51,6 +53,27 @@ PointFit fit_points(std::span<const Eigen::Vector3d> points,
   }
   fit.rms = std::sqrt(squares / static_cast<double>(points.size()));
   return fit;
+}
+
+Vector6 known_step(const Matrix6& squares, const Vector6& right) {
+  constexpr double least_known = 1e-4;  // of the best known direction
+
+  const Eigen::SelfAdjointEigenSolver<Matrix6> axes(squares);
+  Vector6 step = Vector6::Zero();
+  for (int i = 0; i < 6; ++i) {
+    if (!(axes.eigenvalues()(i) > least_known * axes.eigenvalues()(5))) continue;
+    const auto axis = axes.eigenvectors().col(i);
+    step += axis.dot(right) / axes.eigenvalues()(i) * axis;
+  }
+  return step;
+}
+
+Eigen::Isometry3d motion_about(const Eigen::Vector3d& centre, const Vector6& step) {
+  const Eigen::Vector3d turn = step.head<3>();
+  const Eigen::Matrix3d rotation =
+      turn.norm() > 0 ? Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix()
+                      : Eigen::Matrix3d::Identity();
+  return pose_from(rotation, centre + step.tail<3>() - rotation * centre);
 }
 
 }  // namespace slipstream

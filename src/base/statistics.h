@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <iterator>
+#include <utility>
 #include <vector>
 
 #include "slipstream/image.h"
@@ -30,6 +33,15 @@ std::vector<Number> finite_values(const Image<Number>& image, std::size_t step =
 /// The median of a non-empty list.
 inline double median(std::vector<double> values) {
   return quantile(values, 0.5);
+}
+
+/// The median of a member or of a function of the items, of which there is at least one.
+template <class Items, class Value>
+double median_of(const Items& items, const Value& value) {
+  std::vector<double> values;
+  values.reserve(std::size(items));
+  for (const auto& item : items) values.push_back(std::invoke(value, item));
+  return median(std::move(values));
 }
 
 /// Tukey's biweight of a residual in standard deviations: 1 at 0, 0 from 4.685 on, which gives 95 %

@@ -242,16 +242,14 @@ std::vector<PoseConvention> with_notation(std::span<const PoseConvention> conven
 
 /// Median distance of the board from the camera.
 double distance_of(const Poses& boards) {
-  std::vector<double> distances;
-  for (const Eigen::Isometry3d& board : boards) distances.push_back(board.translation().norm());
-  return std::max(median(std::move(distances)), 1e-9);
+  const double distance =
+      median_of(boards, [](const Eigen::Isometry3d& board) { return board.translation().norm(); });
+  return std::max(distance, 1e-9);
 }
 
 /// Median depth of the board in the camera's frame.
 double depth_of(const Poses& boards) {
-  std::vector<double> depths;
-  for (const Eigen::Isometry3d& board : boards) depths.push_back(board.translation().z());
-  return median(std::move(depths));
+  return median_of(boards, [](const Eigen::Isometry3d& board) { return board.translation().z(); });
 }
 
 /// The closed form with one pair of conventions; nullopt if its rotations fit far worse than

@@ -155,10 +155,9 @@ SurfaceEquations equations_of(const std::vector<SurfaceMatch>& matches,
   if (matches.empty()) return equations;
 
   // The spread of the distances decides which are outliers, not a fixed distance.
-  std::vector<double> sizes;
-  sizes.reserve(matches.size());
-  for (const SurfaceMatch& match : matches) sizes.push_back(std::abs(match.distance) / match.sigma);
-  equations.scale = std::max(deviation_from_median(quantile(sizes, 0.5)), 1.0);
+  const double size = median_of(
+      matches, [](const SurfaceMatch& match) { return std::abs(match.distance) / match.sigma; });
+  equations.scale = std::max(deviation_from_median(size), 1.0);
 
   for (const SurfaceMatch& match : matches) {
     const double spread = match.sigma * equations.scale;

@@ -11,6 +11,25 @@
 
 namespace slipstream {
 
+/// Sum of squares, and their number.
+struct Squares {
+  double sum = 0;
+  int count = 0;
+
+  void add(double square) {
+    sum += square;
+    ++count;
+  }
+
+  void add(const Squares& other) {
+    sum += other.sum;
+    count += other.count;
+  }
+
+  /// 0 if empty.
+  [[nodiscard]] double rms() const { return count > 0 ? std::sqrt(sum / count) : 0; }
+};
+
 /// The quantile `share` of the values, 0 (least) to 1 (greatest), without interpolation; of two
 /// equally near values the greater. Reorders the values, which must be non-empty and free of NaN.
 template <class Number>

@@ -1,10 +1,9 @@
 #include "geometry/point_fit.h"
 
-#include <cmath>
-
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 
+#include "base/statistics.h"
 #include "base/throw_if-inl.h"
 #include "geometry/rotation.h"
 
@@ -46,12 +45,12 @@ PointFit fit_points(std::span<const Eigen::Vector3d> points,
   require_spread(to);
 
   PointFit fit{.pose = Eigen::Isometry3d(Eigen::umeyama(from, to, false))};
-  double squares = 0;
+  Squares distances;
   for (std::size_t i = 0; i < points.size(); ++i) {
     fit.residuals.push_back((fit.pose * points[i] - partners[i]).norm());
-    squares += fit.residuals.back() * fit.residuals.back();
+    distances.add(fit.residuals.back() * fit.residuals.back());
   }
-  fit.rms = std::sqrt(squares / static_cast<double>(points.size()));
+  fit.rms = distances.rms();
   return fit;
 }
 

@@ -9,6 +9,7 @@
 #include <Eigen/Sparse>
 #include <fmt/format.h>
 
+#include "base/statistics.h"
 #include "geometry/rotation.h"
 #include "merge/consensus.h"
 
@@ -342,18 +343,17 @@ void refine_jointly(const std::vector<PreparedView>& views, const std::vector<Vi
 /// How far the poses along the tree of links are off where further links close loops.
 void measure_loops(const std::vector<PreparedView>& views, const Poses& poses,
                    JointAlignment& joint) {
-  double squares = 0, turns = 0, loops = 0;
+  Squares errors, turns;
   for (const ViewLink& link : joint.links) {
     if (!link.closes_loop || !poses[link.first]) continue;
     const Eigen::Isometry3d by_tree = poses[link.first]->inverse() * *poses[link.second];
     const Eigen::Isometry3d difference = by_tree.inverse() * link.alignment.pose;
-    squares += std::pow(contradiction(views[link.second], link.alignment.pose, by_tree), 2);
-    turns += std::pow(Eigen::AngleAxisd(difference.linear()).angle() * 180 / std::numbers::pi, 2);
-    ++loops;
+    errors.add(std::pow(contradiction(views[link.second], link.alignment.pose, by_tree), 2));
+    turns.add(std::pow(Eigen::AngleAxisd(difference.linear()).angle() * 180 / std::numbers::pi, 2));
   }
-  if (loops == 0) return;
-  joint.loop_error = std::sqrt(squares / loops);
-  joint.loop_turn = std::sqrt(turns / loops);
+  if (errors.count == 0) return;
+  joint.loop_error = errors.rms();
+  joint.loop_turn = turns.rms();
 }
 
 /// Compares each linked pair at the joint poses, in the order of the views.

@@ -1,7 +1,6 @@
 #include "app/found_frame.h"
 
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <string>

@@ -54,7 +54,7 @@ inline double median(std::vector<double> values) {
   return quantile(values, 0.5);
 }
 
-/// The median of a member or of a function of the items, of which there is at least one.
+/// The median over the items, at least one: of a member, or of a function of each.
 template <class Items, class Value>
 double median_of(const Items& items, const Value& value) {
   std::vector<double> values;

@@ -1,7 +1,6 @@
 #include "app/found_frame.h"
 
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -13,6 +12,7 @@
 #include "app/frame.h"
 #include "app/scan_flags.h"
 #include "base/numbers.h"
+#include "base/statistics.h"
 #include "calibrate/board_corners.h"
 #include "calibrate/first_guess.h"
 #include "cloud/plane_frame.h"
@@ -202,12 +202,12 @@ void find_by_board(const BoardPoseFlags& flags, Output& output) {
   view.camera = corners->pixels;
   const Eigen::Isometry3d pose = pose_before_camera(view, seen.lens, printed);
 
-  double squares = 0;
+  Squares errors;
   for (std::size_t i = 0; i < view.places.size(); ++i) {
     const Eigen::Vector3d place = pose * printed[static_cast<std::size_t>(view.places[i])];
-    squares += (project(seen.lens, place) - view.camera[i]).squaredNorm();
+    errors.add((project(seen.lens, place) - view.camera[i]).squaredNorm());
   }
-  const double rms = std::sqrt(squares / static_cast<double>(view.places.size()));
+  const double rms = errors.rms();
 
   put_pose(camera_to(flags.name, pose.inverse()), flags.output, output);
   output.say("board: {} corners found by the {}, RMS {:.3f} pixels", view.places.size(),

@@ -23,12 +23,6 @@ struct Ray {
   Eigen::Vector3d direction;
 };
 
-/// Where a ray meets a surface.
-struct Hit {
-  double distance = 0;
-  Eigen::Vector3d normal;  ///< of any length and sign
-};
-
 /// Triangles by the indices of their corners. Units and axes depend on the source.
 struct Mesh {
   std::vector<Eigen::Vector3d> vertices;
@@ -46,9 +40,6 @@ class MeshTree {
  public:
   /// Throws Error without triangles, or if one refers to a missing vertex.
   explicit MeshTree(const Mesh& mesh);
-
-  /// The first triangle that the ray meets, from either side; the normal is the triangle's.
-  [[nodiscard]] std::optional<Hit> first_hit(const Ray& ray) const;
 
   /// For packets of rays.
   [[nodiscard]] const TriangleTree& triangles() const { return *tree_; }
@@ -181,9 +172,5 @@ std::vector<PlacedBody> placed_at(const Scene& scene, double time);
 std::vector<PlacedBody> placed_at(Scene&& scene, double time) = delete;
 
 std::optional<SurfacePoint> first_surface(const std::vector<PlacedBody>& bodies, const Ray& ray);
-
-/// Whether anything other than the surface at `point` blocks `light`.
-bool in_shadow(const std::vector<PlacedBody>& bodies, const Eigen::Vector3d& point,
-               const Eigen::Vector3d& light);
 
 }  // namespace slipstream

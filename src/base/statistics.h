@@ -2,11 +2,33 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <iterator>
+#include <utility>
 #include <vector>
 
 #include "slipstream/image.h"
 
 namespace slipstream {
+
+/// Sum of squares, and their number.
+struct Squares {
+  double sum = 0;
+  int count = 0;
+
+  void add(double square) {
+    sum += square;
+    ++count;
+  }
+
+  void add(const Squares& other) {
+    sum += other.sum;
+    count += other.count;
+  }
+
+  /// 0 if empty.
+  [[nodiscard]] double rms() const { return count > 0 ? std::sqrt(sum / count) : 0; }
+};
 
 /// The quantile `share` of the values, 0 (least) to 1 (greatest), without interpolation; of two
 /// equally near values the greater. Reorders the values, which must be non-empty and free of NaN.
@@ -30,6 +52,15 @@ std::vector<Number> finite_values(const Image<Number>& image, std::size_t step =
 /// The median of a non-empty list.
 inline double median(std::vector<double> values) {
   return quantile(values, 0.5);
+}
+
+/// The median over the items, at least one: of a member, or of a function of each.
+template <class Items, class Value>
+double median_of(const Items& items, const Value& value) {
+  std::vector<double> values;
+  values.reserve(std::size(items));
+  for (const auto& item : items) values.push_back(std::invoke(value, item));
+  return median(std::move(values));
 }
 
 /// Tukey's biweight of a residual in standard deviations: 1 at 0, 0 from 4.685 on, which gives 95 %

@@ -209,9 +209,8 @@ Eigen::VectorXd phase_errors(const Samples& samples, Eigen::VectorXd turns) {
     const Eigen::VectorXd course = smooth_course(samples.pixels, turns, weights);
     errors = turns - course;
 
-    std::vector<double> sizes;
-    for (const double error : errors) sizes.push_back(std::abs(error));
-    const double deviation = std::max(deviation_from_median(median(std::move(sizes))), 1e-6);
+    const double size = median_of(errors, [](double error) { return std::abs(error); });
+    const double deviation = std::max(deviation_from_median(size), 1e-6);
 
     // Outliers lose their weight, and errors of whole turns are removed.
     for (Eigen::Index i = 0; i < errors.size(); ++i) {

@@ -27,25 +27,25 @@ struct BundleSettings {
   std::optional<PixelDeviations> pixel_deviations = std::nullopt;
 };
 
+/// Only the boards move.
+inline constexpr BundleSettings all_held{
+    .hold_camera = true, .hold_projector = true, .hold_rig = true};
+
 /// Sets the fixed distortion coefficients to zero, so that none remain from a larger lens model.
 void forget_held_coefficients(Scanner& scanner, const BundleSettings& settings);
 
-/// The views with corners where the lens models without their residual maps see them.
-BoardViews without_residual(BoardViews views, const Scanner& scanner);
-
 /// Minimises the reprojection errors of both devices over all free parameters, with Huber's loss
 /// and each device's errors in units of their robustly estimated standard deviation. Starts from
-/// `start`, whose poses and places must match `views`; `printed`: nominal corners of the board.
+/// `state`, whose poses and places must match `views`; `printed`: nominal corners of the board.
 /// Keeps the lenses' residual maps. If not null, `deviation` receives the standard deviations for
 /// independent corner errors. Throws Error if it does not converge, or if the poses do not
 /// determine the requested `deviation`.
-BundleState bundle_adjusted(const BoardViews& views, BundleState start, const BoardPlaces& printed,
+BundleState bundle_adjusted(const BoardViews& views, BundleState state, const BoardPlaces& printed,
                             const BundleSettings& settings, BundleDeviation* deviation = nullptr);
 
-/// The larger of `deviation`, which assumes independent corner errors, and the jackknife's: m
-/// calibrations, each without one of the m poses, deviate from their mean by
-/// sigma^2 = (m - 1) / m * (sum of squares). The jackknife includes errors common to a pose's
-/// corners, but not errors common to all poses, such as the print's scale.
+/// The larger of `deviation`, which assumes independent corner errors, and the jackknife's of
+/// calibrations without each pose. The jackknife includes errors common to a pose's corners, but
+/// not errors common to all poses, such as the print's scale.
 BundleDeviation widened(BundleDeviation deviation, const std::vector<Scanner>& without_one);
 
 }  // namespace slipstream

@@ -9,6 +9,7 @@
 #include "calibrate/board_view.h"
 #include "calibrate/corner_errors.h"
 #include "calibrate/quiet_ceres.h"
+#include "geometry/rotation.h"
 
 namespace slipstream {
 namespace {
@@ -61,11 +62,15 @@ class CamerasProblem {
       for (std::size_t v = 0; v < views.cameras[c].size(); ++v) {
         add_view(views.cameras[c][v], c, views.poses[c][v], deviations[c]);
       }
-      adjustment_.settle_lens(numbers_.cameras[c], false, settings.camera_coefficients[c]);
+      adjustment_.settle_lens(numbers_.cameras[c], settings.hold_cameras,
+                              settings.camera_coefficients[c]);
     }
 
+    adjustment_.settle_lens(numbers_.projector, settings.hold_projector,
+                            settings.projector_coefficients);
+
     adjustment_.hold(numbers_.motions[0].data());  // the first camera is the base
-    adjustment_.settle_lens(numbers_.projector, false, settings.projector_coefficients);
+    if (settings.hold_rig) adjustment_.hold(numbers_.rig.data());
     adjustment_.settle_places(numbers_.places, printed, settings.print_deviation);
   }
 
@@ -109,6 +114,7 @@ class CamerasProblem {
       double* const place = numbers_.places[view.places[i]].data();
       const Eigen::Vector2d &seen = view.camera[i], &lit = view.projector[i];
 
+      // A corner that one device sees still determines the pose and that device's lens.
       if (is_lit(view, i)) {
         adjustment_.add(std::make_unique<PairError>(seen, lit, slope_at(view, i), deviations), true,
                         camera, projector, motion, rig, pose, place);
@@ -137,6 +143,10 @@ std::vector<PixelDeviations> deviations_by_camera(const CamerasViews& views,
 
 }  // namespace
 
+Eigen::Isometry3d rig_of(const Scanner& scanner) {
+  return pose_from(scanner.rotation, scanner.translation);
+}
+
 BundleState state_of_camera(const CamerasState& state, const CamerasViews& views,
                             std::size_t camera) {
   const Eigen::Isometry3d& from_first = state.cameras_from_first[camera];
@@ -146,6 +156,15 @@ BundleState state_of_camera(const CamerasState& state, const CamerasViews& views
       {state.cameras[camera], state.projector, rig.linear(), rig.translation()}, {}, state.places};
   for (const std::size_t pose : views.poses[camera]) {
     own.poses.push_back(from_first * state.poses[pose]);
+  }
+  return own;
+}
+
+BundleDeviation deviation_of_camera(const CamerasDeviation& deviation, std::size_t camera) {
+  BundleDeviation own{.camera = deviation.cameras[camera], .projector = deviation.projector};
+  if (camera == 0) {
+    own.rotation = deviation.motions[0].head<3>();
+    own.translation = deviation.motions[0].tail<3>();
   }
   return own;
 }
@@ -163,13 +182,15 @@ CamerasState jointly_adjusted(const CamerasViews& views, CamerasState start,
 
   for (int round = 0; round < rounds; ++round) {
     CamerasProblem problem(views, state, printed, settings, deviations);
-    problem.solve(known ? 1e-7 : 1e-9);
+    problem.solve(known ? 1e-7 : 1e-9);  // refinement or first solution
     problem.numbers().write_to(state);
     deviations = deviations_by_camera(views, state);
 
-    throw_if(round + 1 == rounds && deviation != nullptr && !problem.estimate(*deviation),
-             "the poses do not determine the calibration of all cameras; likely too few tilts of "
-             "the board: tilt it differently in each");
+    const bool estimates = round + 1 == rounds && deviation != nullptr;
+    throw_if(estimates && !problem.estimate(*deviation),
+             "the poses do not determine the calibration{}; likely too few tilts of the board: "
+             "tilt it differently in each",
+             state.cameras.size() > 1 ? " of all cameras" : "");
   }
   return state;
 }

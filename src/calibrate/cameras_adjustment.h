@@ -30,7 +30,9 @@ struct CamerasState {
 struct CamerasSettings {
   std::vector<int> camera_coefficients;  ///< of each camera, see BundleSettings
   int projector_coefficients = 5;
-  std::optional<double> print_deviation{};  ///< mm; nullopt fixes the places
+  bool hold_cameras = false, hold_projector = false;  ///< fix the lenses
+  bool hold_rig = false;                              ///< fixes CamerasState::rig
+  std::optional<double> print_deviation{};            ///< mm; nullopt fixes the places
   /// Of each camera; empty: estimated, in three rounds.
   std::vector<PixelDeviations> pixel_deviations{};
 };
@@ -43,13 +45,20 @@ struct CamerasDeviation {
                                                      ///< of the cameras after the first
 };
 
+/// From the frame of a scanner's camera to its projector's.
+Eigen::Isometry3d rig_of(const Scanner& scanner);
+
 /// A camera with the projector and its views, in its own frame.
 BundleState state_of_camera(const CamerasState& state, const CamerasViews& views,
                             std::size_t camera);
 
-/// Minimises the residuals of all cameras and the projector, as bundle_adjusted does for one
-/// camera. If not null, `deviation` receives the standard deviations. Throws Error if it does not
-/// converge, or if the poses do not determine the requested `deviation`.
+/// The deviations of a camera and the projector; of their relative pose only for the first camera.
+BundleDeviation deviation_of_camera(const CamerasDeviation& deviation, std::size_t camera);
+
+/// Minimises the residuals of one or more cameras and the projector, as bundle_adjusted says. The
+/// lenses must have no residual maps. If not null, `deviation` receives the standard deviations.
+/// Throws Error if it does not converge, or if the poses do not determine the requested
+/// `deviation`.
 CamerasState jointly_adjusted(const CamerasViews& views, CamerasState start,
                               const BoardPlaces& printed, const CamerasSettings& settings,
                               CamerasDeviation* deviation = nullptr);

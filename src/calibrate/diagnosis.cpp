@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <iterator>
 #include <optional>
 #include <string>
@@ -18,14 +17,6 @@
 
 namespace slipstream {
 namespace {
-
-/// The median of a member or of a function of the items.
-template <class Items, class Value>
-double median_of(const Items& items, const Value& value) {
-  std::vector<double> values;
-  for (const auto& item : items) values.push_back(std::invoke(value, item));
-  return median(std::move(values));
-}
 
 void add_gamma(std::vector<Finding>& findings, const std::vector<FringeSigns>& scans) {
   const auto rippled = std::ranges::count_if(scans, has_ripple);

@@ -263,4 +263,13 @@ Eigen::Isometry3d pose_before_camera(const BoardView& view, const Lens& camera,
   return pose_of(turn, translation);
 }
 
+BundleState boards_before(const Scanner& scanner, const BoardViews& views,
+                          const BoardPlaces& printed) {
+  BundleState state{scanner, {}, printed};
+  for (const BoardView& view : views) {
+    state.poses.push_back(pose_before_camera(view, scanner.camera, printed));
+  }
+  return state;
+}
+
 }  // namespace slipstream

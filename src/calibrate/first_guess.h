@@ -22,4 +22,8 @@ Lens simple_lens(const BoardViews& views, const BoardPlaces& printed, Size camer
 Eigen::Isometry3d pose_before_camera(const BoardView& view, const Lens& camera,
                                      const BoardPlaces& printed);
 
+/// All boards before a calibrated scanner, by the camera's corners.
+BundleState boards_before(const Scanner& scanner, const BoardViews& views,
+                          const BoardPlaces& printed);
+
 }  // namespace slipstream

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -131,22 +130,11 @@ void require_known_model(const std::optional<int>& coefficients, const char* dev
 }
 
 /// Mean squared error of a fold's held-out poses.
-double left_out_error(const BoardViews& views, const BundleState& state, BundleSettings settings,
-                      std::size_t fold, std::size_t folds) {
-  const auto is_left_out = [&](std::size_t pose) { return pose % folds == fold; };
-
-  SomePoses kept = some_poses(views, state, std::not_fn(is_left_out));
-  forget_held_coefficients(kept.state.scanner, settings);
-  const BundleState calibrated =
-      bundle_adjusted(kept.views, std::move(kept.state), state.places, settings);
-
-  // The held-out poses may move, but lenses and rig stay.
-  SomePoses left_out = some_poses(views, state, is_left_out);
-  left_out.state.scanner = calibrated.scanner;
-  settings.hold_camera = settings.hold_projector = settings.hold_rig = true;
-  const BundleState explained =
-      bundle_adjusted(left_out.views, std::move(left_out.state), state.places, settings);
-  return mean_squared_error(left_out.views, explained, *settings.pixel_deviations);
+double left_out_error(const BoardViews& views, BundleState state, const BundleSettings& settings,
+                      std::size_t fold) {
+  forget_held_coefficients(state.scanner, settings);
+  const SomePoses explained = explained_fold(views, state, settings, {}, fold);
+  return mean_squared_error(explained.views, explained.state, *settings.pixel_deviations);
 }
 
 /// The model that is `asked` for, else the simplest that the data support: calibrates each model
@@ -177,9 +165,8 @@ LensChoice chosen_model(const std::optional<int>& asked, const BoardViews& views
         coefficients;
 
     std::vector<double> by_fold(folds);
-    for_each_row(static_cast<int>(folds), [&](int fold) {
-      by_fold[fold] = left_out_error(views, state, settings, fold, folds);
-    });
+    for_each_row(static_cast<int>(folds),
+                 [&](int fold) { by_fold[fold] = left_out_error(views, state, settings, fold); });
 
     errors.push_back(by_fold);
     choice.scores.push_back({coefficients, std::sqrt(mean_of(by_fold))});
@@ -215,18 +202,14 @@ ResidualDegrees residual_degrees(const BoardViews& views, const BundleState& sta
 
 /// Adds the poses with their reprojection errors, and those of all.
 void add_reprojections(const BoardViews& views, GeometryCalibration& result) {
-  Reprojection all;
   for (std::size_t v = 0; v < views.size(); ++v) {
-    const Reprojection of_pose = reprojection(views[v], result.state, v);
-    all.camera.add(of_pose.camera);
-    all.projector.add(of_pose.projector);
     result.poses.push_back({.name = views[v].name,
                             .corners = static_cast<int>(views[v].places.size()),
                             .lit = lit_corners(views[v]),
-                            .rms = of_pose.rms()});
+                            .rms = reprojection(views[v], result.state, v).rms()});
   }
 
-  result.rms = all.rms();
+  result.rms = reprojection(views, result.state).rms();
   result.state.scanner.calibration_rms = result.rms.stereo;
 }
 

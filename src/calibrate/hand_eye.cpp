@@ -231,6 +231,11 @@ Finding unmatched_finding(const std::vector<std::string>& names, const char* one
           .remedies = {{"correct the names if they belong together, and calibrate again"}}};
 }
 
+/// Names that only one of two tables has.
+struct UnmatchedNames {
+  std::vector<std::string> robot, boards;
+};
+
 std::vector<Finding> findings_of_names(const UnmatchedNames& names) {
   std::vector<Finding> findings;
   if (!names.robot.empty()) {
@@ -243,8 +248,9 @@ std::vector<Finding> findings_of_names(const UnmatchedNames& names) {
   return findings;
 }
 
-}  // namespace
-
+/// Keeps the rows of both tables that belong together: by name if both have names, otherwise by
+/// order. Returns the names of the others. Throws Error if the tables without names are not of one
+/// length, or names have none in common.
 UnmatchedNames match_moments(PoseTable& robot, PoseTable& boards) {
   for (PoseTable* table : {&robot, &boards}) {
     throw_if(table->rows.empty(), "a list of poses is empty");
@@ -296,6 +302,8 @@ UnmatchedNames match_moments(PoseTable& robot, PoseTable& boards) {
   boards = std::move(shared_boards);
   return unmatched;
 }
+
+}  // namespace
 
 HandEye calibrate_hand_eye(PoseTable robot, PoseTable boards, const HandEyeSettings& settings) {
   const UnmatchedNames unmatched = match_moments(robot, boards);

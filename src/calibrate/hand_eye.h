@@ -57,16 +57,6 @@ struct HandEye {
 /// Most poses of a calibration.
 inline constexpr std::size_t most_hand_eye_poses = 1000;
 
-/// Names that only one of two tables has.
-struct UnmatchedNames {
-  std::vector<std::string> robot, boards;
-};
-
-/// Keeps the rows of both tables that belong together: by name if both have names, otherwise by
-/// order. Returns the names of the others. Throws Error if the tables without names are not of one
-/// length, or names have none in common.
-UnmatchedNames match_moments(PoseTable& robot, PoseTable& boards);
-
 /// Finds the camera on a robot's tool, or beside the robot, from poses of the robot and, at the
 /// same moments, of a board. Finds the conventions of both tables, leaves out poses that contradict
 /// the others, and refines the closed form's result. Throws Error for fewer than three poses or

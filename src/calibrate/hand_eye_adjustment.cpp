@@ -106,11 +106,8 @@ Matrix6 robot_effect(const PosePair& pair, const HandEyePoses& poses, EyePlace p
   }
 
   // A turn of the tool moves the board by its distance from the tool.
-  Eigen::Matrix3d cross;
-  cross << 0, -board.z(), board.y(), board.z(), 0, -board.x(), -board.y(), board.x(), 0;
-
   Matrix6 effect;
-  effect << from_tool, Eigen::Matrix3d::Zero(), -from_tool * cross, from_tool;
+  effect << from_tool, Eigen::Matrix3d::Zero(), -from_tool * cross_matrix(board), from_tool;
   return effect;
 }
 
@@ -255,13 +252,9 @@ Eigen::Matrix<double, 12, 12> covariance_of_poses(std::span<const PosePair> pair
 
 }  // namespace
 
-Eigen::Isometry3d predicted_board(const Eigen::Isometry3d& robot, const HandEyePoses& poses,
-                                  EyePlace place) {
-  return poses.camera.inverse() * between_carriers(robot, place) * poses.board;
-}
-
 PoseError error_of(const PosePair& pair, const HandEyePoses& poses, EyePlace place) {
-  const Eigen::Isometry3d predicted = predicted_board(pair.robot, poses, place);
+  const Eigen::Isometry3d predicted =
+      poses.camera.inverse() * between_carriers(pair.robot, place) * poses.board;
   PoseError error;
   error << vector_of(pair.board.linear() * predicted.linear().transpose()),
       pair.board.translation() - predicted.translation();

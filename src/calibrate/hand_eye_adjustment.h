@@ -47,10 +47,6 @@ struct AdjustedHandEye {
   HandEyeScatter scatter;
 };
 
-/// The board's pose in the camera's frame that the robot's pose and the hand-eye pose predict.
-Eigen::Isometry3d predicted_board(const Eigen::Isometry3d& robot, const HandEyePoses& poses,
-                                  EyePlace place);
-
 /// Board as measured less as predicted, in the camera's frame.
 PoseError error_of(const PosePair& pair, const HandEyePoses& poses, EyePlace place);
 

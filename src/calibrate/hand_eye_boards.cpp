@@ -36,14 +36,8 @@ PoseTable board_table(BoardViews views, const CalibrationBoard& board, const Sca
   if (lit) views = checked_views(std::move(views), printed);
 
   // The camera's corners alone, then those of both devices.
-  BundleState state{scanner, {}, printed};
-  for (const BoardView& view : views) {
-    state.poses.push_back(pose_before_camera(view, scanner.camera, printed));
-  }
-  if (lit) {
-    state = bundle_adjusted(views, std::move(state), printed,
-                            {.hold_camera = true, .hold_projector = true, .hold_rig = true});
-  }
+  BundleState state = boards_before(scanner, views, printed);
+  if (lit) state = bundle_adjusted(views, std::move(state), printed, all_held);
 
   PoseTable table;
   for (std::size_t v = 0; v < views.size(); ++v) {

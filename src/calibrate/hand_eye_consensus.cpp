@@ -9,6 +9,7 @@
 #include "base/numbers.h"
 #include "base/statistics.h"
 #include "base/throw_if-inl.h"
+#include "calibrate/left_out.h"
 #include "geometry/rotation.h"
 
 namespace slipstream {
@@ -144,20 +145,14 @@ PoseError deviation_of(const RobustFit& found) {
   if (!found.left_out) return fitted;
 
   std::vector<PoseError> changes;
-  PoseError mean = PoseError::Zero(), squares = PoseError::Zero();
-  const auto count = static_cast<double>(found.left_out->poses.size());
   for (const HandEyePoses& poses : found.left_out->poses) {
     const Eigen::Isometry3d &now = found.fit.poses.camera, &then = poses.camera;
     PoseError change;
     change << vector_of(now.linear().transpose() * then.linear()),
         then.translation() - now.translation();
     changes.push_back(change);
-    mean += change / count;
   }
-  for (const PoseError& change : changes) squares += (change - mean).cwiseAbs2();
-
-  const PoseError jackknife = ((count - 1) / count * squares).cwiseSqrt();
-  return fitted.cwiseMax(jackknife);
+  return fitted.cwiseMax(jackknife(changes));
 }
 
 std::vector<PosePair> used_pairs(const std::vector<PosePair>& pairs, const Used& used) {

@@ -9,7 +9,6 @@
 #include <string>
 
 #include <Eigen/QR>
-#include <Eigen/SVD>
 
 #include "base/numbers.h"
 #include "base/statistics.h"
@@ -70,14 +69,6 @@ std::vector<ReadRows> read_in_all(const PoseTable& table,
     all.push_back(std::move(rows));
   }
   return all;
-}
-
-/// The rotation nearest to a sum of rotations.
-Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& sum) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d sign = Eigen::Matrix3d::Identity();
-  sign(2, 2) = svd.matrixU().determinant() * svd.matrixV().determinant() < 0 ? -1 : 1;
-  return svd.matrixU() * sign * svd.matrixV().transpose();
 }
 
 /// The camera's carrier in the board's carrier, and the board in the camera, at each moment: with
@@ -251,16 +242,14 @@ std::vector<PoseConvention> with_notation(std::span<const PoseConvention> conven
 
 /// Median distance of the board from the camera.
 double distance_of(const Poses& boards) {
-  std::vector<double> distances;
-  for (const Eigen::Isometry3d& board : boards) distances.push_back(board.translation().norm());
-  return std::max(median(std::move(distances)), 1e-9);
+  const double distance =
+      median_of(boards, [](const Eigen::Isometry3d& board) { return board.translation().norm(); });
+  return std::max(distance, 1e-9);
 }
 
 /// Median depth of the board in the camera's frame.
 double depth_of(const Poses& boards) {
-  std::vector<double> depths;
-  for (const Eigen::Isometry3d& board : boards) depths.push_back(board.translation().z());
-  return median(std::move(depths));
+  return median_of(boards, [](const Eigen::Isometry3d& board) { return board.translation().z(); });
 }
 
 /// The closed form with one pair of conventions; nullopt if its rotations fit far worse than

@@ -2,16 +2,10 @@
 
 #include <cmath>
 
-#include <Eigen/Geometry>
+#include "geometry/rotation.h"
 
 namespace slipstream {
 namespace {
-
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d matrix;
-  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return matrix;
-}
 
 /// The rotation about `turn` by its length, and the further rotation by a small change of `turn`,
 /// in the rotated frame.

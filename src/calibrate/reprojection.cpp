@@ -77,19 +77,19 @@ double flatness_of(const BoardPlaces& points) {
 /// Sets the results from the distances between all pairs of points.
 void measure_distances(const BoardPlaces& points, const BoardPlaces& printed,
                        BoardQuality& quality) {
-  double ratios = 0, squares = 0;
+  double ratios = 0;
+  Squares errors;
   for (std::size_t i = 0; i < points.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       const double ought = (printed[i] - printed[j]).norm();
       const double error = (points[i] - points[j]).norm() - ought;
       ratios += error / ought;
-      squares += error * error;
+      errors.add(error * error);
     }
   }
 
-  const double pairs = static_cast<double>(points.size() * (points.size() - 1)) / 2;
-  quality.scale_error = ratios / pairs;
-  quality.distance_error = std::sqrt(squares / pairs);
+  quality.scale_error = ratios / errors.count;
+  quality.distance_error = errors.rms();
 }
 
 }  // namespace
@@ -159,6 +159,16 @@ ReprojectionRms Reprojection::rms() const {
 Reprojection reprojection(const BoardView& view, const BundleState& state, std::size_t v) {
   return {squares_of(residuals(view, state, v, Device::camera)),
           squares_of(residuals(view, state, v, Device::projector))};
+}
+
+Reprojection reprojection(const BoardViews& views, const BundleState& state) {
+  Reprojection all;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const Reprojection of_pose = reprojection(views[v], state, v);
+    all.camera.add(of_pose.camera);
+    all.projector.add(of_pose.projector);
+  }
+  return all;
 }
 
 std::optional<BoardQuality> board_quality(const BoardView& view, const Scanner& scanner,

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <cmath>
 #include <functional>
 #include <optional>
 
+#include "base/statistics.h"
 #include "calibrate/board_view.h"
 #include "slipstream/geometry_calibration.h"
 #include "slipstream/scanner.h"
@@ -39,25 +39,6 @@ SomePoses some_poses(const BoardViews& views, const BundleState& state,
 PixelPlaces residuals(const BoardView& view, const BundleState& state, std::size_t v,
                       Device device);
 
-/// Sum of squares, and their number.
-struct Squares {
-  double sum = 0;
-  int count = 0;
-
-  void add(double square) {
-    sum += square;
-    ++count;
-  }
-
-  void add(const Squares& other) {
-    sum += other.sum;
-    count += other.count;
-  }
-
-  /// 0 if empty.
-  [[nodiscard]] double rms() const { return count > 0 ? std::sqrt(sum / count) : 0; }
-};
-
 /// The same distances, squared.
 struct Reprojection {
   Squares camera, projector;
@@ -67,6 +48,8 @@ struct Reprojection {
 
 /// `view` is pose `v` of the state.
 Reprojection reprojection(const BoardView& view, const BundleState& state, std::size_t v);
+/// Of all poses together.
+Reprojection reprojection(const BoardViews& views, const BundleState& state);
 
 /// Returns nullopt if fewer than four corners are lit.
 std::optional<BoardQuality> board_quality(const BoardView& view, const Scanner& scanner,

@@ -48,36 +48,6 @@ LensResidual fitted_map(const BoardViews& views, const BundleState& state, Devic
   return fitted_residual(samples, lens.size, degree);
 }
 
-/// Errors of held-out poses: mean squares in units of their variances and in pixels.
-struct LeftOutError {
-  double squared = 0, squared_pixels = 0;
-};
-
-LeftOutError held_out_error(const BoardViews& views, const BundleState& state,
-                            BundleSettings settings, Device device, const ResidualDegrees& degrees,
-                            const std::function<bool(std::size_t)>& is_left_out) {
-  // 1. Maps and all else without these poses.
-  SomePoses kept = some_poses(views, state, std::not_fn(is_left_out));
-  const BundleState calibrated =
-      adjusted_with_residual(kept.views, std::move(kept.state), state.places, settings, degrees);
-
-  // 2. The poses under that calibration: only they may move.
-  SomePoses left_out = some_poses(views, state, is_left_out);
-  left_out.state.scanner = calibrated.scanner;
-  settings.hold_camera = settings.hold_projector = settings.hold_rig = true;
-  const BundleState explained =
-      bundle_adjusted(left_out.views, std::move(left_out.state), state.places, settings);
-
-  Reprojection all;
-  for (std::size_t v = 0; v < left_out.views.size(); ++v) {
-    const Reprojection of_pose = reprojection(left_out.views[v], explained, v);
-    all.camera.add(of_pose.camera);
-    all.projector.add(of_pose.projector);
-  }
-  const double rms = device == Device::camera ? all.camera.rms() : all.projector.rms();
-  return {mean_squared_error(left_out.views, explained, *settings.pixel_deviations), rms * rms};
-}
-
 }  // namespace
 
 BundleState adjusted_with_residual(const BoardViews& views, BundleState start,
@@ -99,6 +69,25 @@ BundleState adjusted_with_residual(const BoardViews& views, BundleState start,
   }
 
   return bundle_adjusted(views, std::move(state), printed, settings, deviation);
+}
+
+SomePoses explained_fold(const BoardViews& views, const BundleState& state, BundleSettings settings,
+                         const ResidualDegrees& degrees, std::size_t fold) {
+  const std::size_t folds = fold_count(views.size());
+  const auto is_left_out = [&](std::size_t pose) { return pose % folds == fold; };
+
+  // 1. A calibration by the other poses.
+  SomePoses kept = some_poses(views, state, std::not_fn(is_left_out));
+  const BundleState calibrated =
+      adjusted_with_residual(kept.views, std::move(kept.state), state.places, settings, degrees);
+
+  // 2. The fold's poses under that calibration: only they may move.
+  SomePoses left_out = some_poses(views, state, is_left_out);
+  left_out.state.scanner = calibrated.scanner;
+  settings.hold_camera = settings.hold_projector = settings.hold_rig = true;
+  left_out.state =
+      bundle_adjusted(left_out.views, std::move(left_out.state), state.places, settings);
+  return left_out;
 }
 
 ResidualChoice chosen_residual(const BoardViews& views, const BundleState& state,
@@ -126,11 +115,13 @@ ResidualChoice chosen_residual(const BoardViews& views, const BundleState& state
     // 1. The error of each fold's poses under a calibration of the others.
     std::vector<double> by_fold(folds), pixels(folds);
     for_each_row(static_cast<int>(folds), [&](int fold) {
-      const auto error = held_out_error(
-          views, state, settings, device, with,
-          [&](std::size_t pose) { return pose % folds == static_cast<std::size_t>(fold); });
-      by_fold[fold] = error.squared;
-      pixels[fold] = error.squared_pixels;
+      const SomePoses explained = explained_fold(views, state, settings, with, fold);
+      by_fold[fold] =
+          mean_squared_error(explained.views, explained.state, *settings.pixel_deviations);
+
+      const Reprojection all = reprojection(explained.views, explained.state);
+      const double rms = device == Device::camera ? all.camera.rms() : all.projector.rms();
+      pixels[fold] = rms * rms;
     });
 
     errors.push_back(by_fold);

@@ -10,16 +10,13 @@
 #include "base/throw_if-inl.h"
 #include "calibrate/bundle_adjustment.h"
 #include "calibrate/cameras_adjustment.h"
+#include "calibrate/left_out.h"
 #include "calibrate/reprojection.h"
 
 namespace slipstream {
 namespace {
 
 using Motion6 = Eigen::Matrix<double, 6, 1>;
-
-Eigen::Isometry3d rig_of(const Scanner& scanner) {
-  return Eigen::Translation3d(scanner.translation) * Eigen::Isometry3d(scanner.rotation);
-}
 
 /// Throws Error for residual maps, which the joint adjustment does not know.
 void require_no_residual_maps(const std::vector<GeometryCalibration>& alone,
@@ -120,20 +117,16 @@ Motion6 motion_from(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) 
 /// The poses of the cameras after the first, with the larger of both deviations: see widened.
 std::vector<CameraPose> camera_poses(const CamerasState& state, const CamerasDeviation& deviation,
                                      const std::vector<CamerasState>& without_one) {
-  const auto m = static_cast<double>(without_one.size());
   std::vector<CameraPose> poses;
-
   for (std::size_t c = 1; c < state.cameras.size(); ++c) {
-    Motion6 mean = Motion6::Zero(), squares = Motion6::Zero();
     const Eigen::Isometry3d& pose = state.cameras_from_first[c];
+
+    std::vector<Motion6> changes;
     for (const CamerasState& rest : without_one) {
-      const Motion6 off = motion_from(pose, rest.cameras_from_first[c]);
-      mean += off / m;
-      squares += off.cwiseAbs2();
+      changes.push_back(motion_from(pose, rest.cameras_from_first[c]));
     }
 
-    const Motion6 spread = ((m - 1) / m * (squares - m * mean.cwiseAbs2()).cwiseMax(0)).cwiseSqrt();
-    const Motion6 sigma = spread.cwiseMax(deviation.motions[c]);
+    const Motion6 sigma = jackknife(changes).cwiseMax(deviation.motions[c]);
     poses.push_back({pose, sigma.head<3>(), sigma.tail<3>()});
   }
   return poses;
@@ -148,14 +141,10 @@ void update(GeometryCalibration& camera, const BundleState& state,
   camera.state.scanner.calibrated_depths = before.calibrated_depths;
   camera.deviation = deviation;
 
-  Reprojection all;
   for (std::size_t v = 0; v < camera.views.size(); ++v) {
-    const Reprojection of_pose = reprojection(camera.views[v], camera.state, v);
-    all.camera.add(of_pose.camera);
-    all.projector.add(of_pose.projector);
-    camera.poses[v].rms = of_pose.rms();
+    camera.poses[v].rms = reprojection(camera.views[v], camera.state, v).rms();
   }
-  camera.rms = all.rms();
+  camera.rms = reprojection(camera.views, camera.state).rms();
   camera.state.scanner.calibration_rms = camera.rms.stereo;
   require_valid(camera.state.scanner);
 }
@@ -189,17 +178,13 @@ CamerasCalibration calibrate_together(std::vector<GeometryCalibration> alone,
   CamerasCalibration result{std::move(alone), camera_poses(state, deviation, without_one)};
   for (std::size_t c = 0; c < result.cameras.size(); ++c) {
     GeometryCalibration& camera = result.cameras[c];
-    BundleDeviation own{.camera = deviation.cameras[c], .projector = deviation.projector};
-    if (c == 0) {
-      own.rotation = deviation.motions[0].head<3>();
-      own.translation = deviation.motions[0].tail<3>();
-    }
 
     std::vector<Scanner> scanners;
     for (const CamerasState& rest : without_one) {
       scanners.push_back(state_of_camera(rest, views, c).scanner);
     }
-    update(camera, state_of_camera(state, views, c), widened(own, scanners));
+    update(camera, state_of_camera(state, views, c),
+           widened(deviation_of_camera(deviation, c), scanners));
     camera.projector_lens.coefficients = joint.projector_coefficients;
 
     for (std::size_t v = 0; v < camera.views.size(); ++v) {

@@ -129,15 +129,11 @@ Verification verify_scanner(BoardViews views, const CalibrationBoard& board,
   views = checked_views(std::move(views), printed);
 
   // 1. The boards' poses before the scanner as it is.
-  BundleState state{scanner, {}, printed};
-  for (const BoardView& view : views) {
-    state.poses.push_back(pose_before_camera(view, scanner.camera, printed));
-  }
-
-  BundleSettings settings{.hold_camera = true, .hold_projector = true, .hold_rig = true};
-  state = bundle_adjusted(views, std::move(state), printed, settings);
+  const BundleState state =
+      bundle_adjusted(views, boards_before(scanner, views, printed), printed, all_held);
 
   // 2. The correction: the same with a free rig.
+  BundleSettings settings = all_held;
   settings.hold_rig = false;
   const BundleState moved = bundle_adjusted(views, state, printed, settings);
 

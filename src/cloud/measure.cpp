@@ -196,22 +196,20 @@ template <class Shape>
 Residuals residuals_of(const Shape& shape, const Points& used, std::size_t outliers) {
   Residuals residuals{.points = used.size(), .outliers = outliers};
 
-  double squares = 0, noise_squares = 0;
+  Squares distances, noise;
   for (const MeasuredPoint& point : used) {
     const double distance = signed_distance(shape, point.position);
     residuals.largest = std::max(residuals.largest, std::abs(distance));
-    squares += distance * distance;
+    distances.add(distance * distance);
 
     // One point without a standard deviation makes the sum NaN.
     const Vector normal = normal_at(shape, point.position);
-    noise_squares += point.sigma ? std::pow(normal.dot(moved_by_noise(point)), 2)
-                                 : std::numeric_limits<double>::quiet_NaN();
+    noise.add(point.sigma ? std::pow(normal.dot(moved_by_noise(point)), 2)
+                          : std::numeric_limits<double>::quiet_NaN());
   }
 
-  const auto count = static_cast<double>(used.size());
-  residuals.rms = std::sqrt(squares / count);
-  if (std::isfinite(noise_squares)) residuals.noise = std::sqrt(noise_squares / count);
-
+  residuals.rms = distances.rms();
+  if (std::isfinite(noise.sum)) residuals.noise = noise.rms();
   return residuals;
 }
 

@@ -6,16 +6,13 @@
 #include <optional>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
-
+#include "geometry/point_fit.h"
 #include "slipstream/error.h"
 
 namespace slipstream {
 namespace {
 
 using Vector = Eigen::Vector3d;
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 Vector normal_at(const Normals& normals, int column, int row) {
   return {normals.x(column, row), normals.y(column, row), normals.z(column, row)};
@@ -109,8 +106,6 @@ Matches match(std::span<const ModelElement> object, const Cloud& cloud, const No
 
 /// The motion that brings the elements nearest to the cloud; zero in poorly determined directions.
 Eigen::Isometry3d nearer(const Matches& found) {
-  constexpr double least_known = 1e-4;  // of the best known direction
-
   // 1. Centre and extent of the elements, so that turns and shifts have similar size.
   const auto count = static_cast<double>(found.matches.size());
   const double rms = std::sqrt(found.squares / count);
@@ -135,19 +130,10 @@ Eigen::Isometry3d nearer(const Matches& found) {
     right += weight * match.distance * row;
   }
 
-  // 3. Solve along the eigenvectors, without those that the points leave open.
-  const Eigen::SelfAdjointEigenSolver<Matrix6> axes(squares);
-  Vector6 step = Vector6::Zero();
-  for (int i = 0; i < 6; ++i) {
-    if (!(axes.eigenvalues()(i) > least_known * axes.eigenvalues()(5))) continue;
-    const auto axis = axes.eigenvectors().col(i);
-    step += axis.dot(right) / axes.eigenvalues()(i) * axis;
-  }
-
-  // 4. The motion turns about the centre.
-  const Vector turn = step.head<3>() / extent;
-  return Eigen::Translation3d(centre + step.tail<3>()) *
-         Eigen::AngleAxisd(turn.norm(), turn.normalized()) * Eigen::Translation3d(-centre);
+  // 3. The motion turns about the centre.
+  Vector6 step = known_step(squares, right);
+  step.head<3>() /= extent;
+  return motion_about(centre, step);
 }
 
 constexpr std::size_t fewest_to_begin = 1000;

@@ -242,8 +242,11 @@ Image<float> transposed(const Image<float>& image) {
   return turned;
 }
 
-}  // namespace
-
+/// Locates pixels from vertical stripes in three channels. A transition is where a channel rises or
+/// falls relative to the strongest along a row; dynamic programming matches each row's transitions
+/// to the displayed ones (after Zhang, Curless and Seitz 2002), where a break in the order has a
+/// cost. Drops transitions that are ambiguous or absent from the adjacent rows, and interpolates
+/// pixels between neighbouring ones.
 LocatedPixels located_by_stripes(const SymbolGrid& grid,
                                  const std::vector<Image<float>>& channels) {
   // Rise of each channel from stripe to stripe: -1, 0 or 1.
@@ -272,6 +275,8 @@ LocatedPixels located_by_stripes(const SymbolGrid& grid,
 
   return located;
 }
+
+}  // namespace
 
 LocatedPixels located_by_neighbours(const SymbolGrid& grid, Axis axis,
                                     std::vector<Image<float>> frames) {

@@ -1,10 +1,11 @@
 #include "geometry/point_fit.h"
 
-#include <cmath>
-
+#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 
+#include "base/statistics.h"
 #include "base/throw_if-inl.h"
+#include "geometry/rotation.h"
 
 namespace slipstream {
 namespace {
@@ -20,7 +21,8 @@ PointColumns columns_of(std::span<const Eigen::Vector3d> points) {
 }
 
 /// The middle singular value of points on a line is 0.
-void require_spread(const PointColumns& centred) {
+void require_spread(const PointColumns& points) {
+  const PointColumns centred = points.colwise() - points.rowwise().mean();
   const Eigen::Vector3d spread =
       Eigen::JacobiSVD<Eigen::Matrix3d>(centred * centred.transpose()).singularValues();
   throw_if(!(spread[1] > 1e-8 * spread[0]),
@@ -37,34 +39,40 @@ PointFit fit_points(std::span<const Eigen::Vector3d> points,
   throw_if(points.size() < 3, "{} pairs of points do not determine a pose; use at least 3",
            points.size());
 
-  // 1. Both sets about their means.
-  PointColumns from = columns_of(points), to = columns_of(partners);
+  const PointColumns from = columns_of(points), to = columns_of(partners);
   throw_if(!from.allFinite() || !to.allFinite(), "a point has a coordinate that is not finite");
-
-  const Eigen::Vector3d middle = from.rowwise().mean(), target = to.rowwise().mean();
-  from.colwise() -= middle;
-  to.colwise() -= target;
   require_spread(from);
   require_spread(to);
 
-  // 2. The rotation nearest to their covariance; its last axis may have to change sign.
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(to * from.transpose(),
-                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Vector3d signs(1, 1, 1);
-  if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0) signs[2] = -1;
-
-  PointFit fit;
-  fit.pose.linear() = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
-  fit.pose.translation() = target - fit.pose.linear() * middle;
-
-  // 3. The distances that remain.
-  double squares = 0;
+  PointFit fit{.pose = Eigen::Isometry3d(Eigen::umeyama(from, to, false))};
+  Squares distances;
   for (std::size_t i = 0; i < points.size(); ++i) {
     fit.residuals.push_back((fit.pose * points[i] - partners[i]).norm());
-    squares += fit.residuals.back() * fit.residuals.back();
+    distances.add(fit.residuals.back() * fit.residuals.back());
   }
-  fit.rms = std::sqrt(squares / static_cast<double>(points.size()));
+  fit.rms = distances.rms();
   return fit;
+}
+
+Vector6 known_step(const Matrix6& squares, const Vector6& right) {
+  constexpr double least_known = 1e-4;  // of the best known direction
+
+  const Eigen::SelfAdjointEigenSolver<Matrix6> axes(squares);
+  Vector6 step = Vector6::Zero();
+  for (int i = 0; i < 6; ++i) {
+    if (!(axes.eigenvalues()(i) > least_known * axes.eigenvalues()(5))) continue;
+    const auto axis = axes.eigenvectors().col(i);
+    step += axis.dot(right) / axes.eigenvalues()(i) * axis;
+  }
+  return step;
+}
+
+Eigen::Isometry3d motion_about(const Eigen::Vector3d& centre, const Vector6& step) {
+  const Eigen::Vector3d turn = step.head<3>();
+  const Eigen::Matrix3d rotation =
+      turn.norm() > 0 ? Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix()
+                      : Eigen::Matrix3d::Identity();
+  return pose_from(rotation, centre + step.tail<3>() - rotation * centre);
 }
 
 }  // namespace slipstream

@@ -20,4 +20,15 @@ struct PointFit {
 PointFit fit_points(std::span<const Eigen::Vector3d> points,
                     std::span<const Eigen::Vector3d> partners);
 
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+/// Solves the normal equations `squares` * step = `right`; reads the lower triangle of `squares`.
+/// The step is 0 along eigenvectors that the data leave open, with less than 1e-4 of the largest
+/// eigenvalue. Give turn and shift similar units.
+Vector6 known_step(const Matrix6& squares, const Vector6& right);
+
+/// The motion about `centre` of a turn (axis times angle, rad) and a shift (mm).
+Eigen::Isometry3d motion_about(const Eigen::Vector3d& centre, const Vector6& step);
+
 }  // namespace slipstream

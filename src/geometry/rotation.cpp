@@ -86,6 +86,15 @@ std::string_view name_of(QuaternionOrder order) {
   return order == QuaternionOrder::xyzw ? "xyzw" : "wxyz";
 }
 
+Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix) {
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
+
+  // The nearest orthogonal matrix may mirror: then the weakest axis turns around.
+  Eigen::Vector3d signs(1, 1, 1);
+  if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0) signs.z() = -1;
+  return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+}
+
 Eigen::Matrix3d checked_rotation(const Eigen::Matrix3d& matrix) {
   require_finite(matrix.allFinite(), "the rotation matrix");
 
@@ -102,9 +111,7 @@ Eigen::Matrix3d checked_rotation(const Eigen::Matrix3d& matrix) {
   // A matrix that is as near to a rotation as doubles allow stays as it is.
   constexpr double rounding = 1e-14;
   if (off <= rounding) return matrix;
-
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  return svd.matrixU() * svd.matrixV().transpose();
+  return nearest_rotation(matrix);
 }
 
 Eigen::Matrix3d rotation_of_quaternion(const Eigen::Vector4d& numbers, QuaternionOrder order) {

@@ -37,6 +37,16 @@ std::string_view name_of(QuaternionOrder order);
 /// few as four digits.
 inline constexpr double rotation_tolerance = 1e-3;
 
+/// The matrix of the cross product: cross_matrix(v) w = v x w.
+inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d matrix;
+  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return matrix;
+}
+
+/// The rotation nearest to a matrix, such as a sum of rotations.
+Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix);
+
 /// The rotation nearest to a rounded one. Throws Error, saying how far it is off, if an entry of
 /// the matrix is not finite, its columns are not orthogonal unit vectors within
 /// rotation_tolerance, or it mirrors.

@@ -17,7 +17,7 @@ std::optional<double> error_against_truth(const fs::path& folder, const Cloud& c
   throw_if(truth.size() != cloud.size(), "{} is {}, the frames are {}; both must have one size",
            file.string(), text_of(truth.size()), text_of(cloud.size()));
 
-  double sum = 0, count = 0;
+  Squares errors;
   for_each_pixel_in_order(truth.size(), [&](int column, int row) {
     constexpr double far = 0.01;  // of the depth
     const double z = cloud.z(column, row), at_centre = z - truth(column, row);
@@ -26,12 +26,10 @@ std::optional<double> error_against_truth(const fs::path& folder, const Cloud& c
     const double error =
         std::abs(at_centre) > far * z ? nearest_error(z, truth, column, row) : at_centre;
 
-    if (!std::isfinite(error)) return;
-    sum += error * error;
-    ++count;
+    if (std::isfinite(error)) errors.add(error * error);
   });
 
-  return count > 0 ? std::optional(std::sqrt(sum / count)) : std::nullopt;
+  return errors.count > 0 ? std::optional(errors.rms()) : std::nullopt;
 }
 
 }  // namespace slipstream

@@ -36,6 +36,11 @@ std::vector<bool> frames_of_colour(const Sequence& sequence) {
   return of_colour;
 }
 
+namespace {
+
+/// The colours of a scan's pixels, not balanced: of ScanFiles::colour, else of the `white` picture
+/// of a scan in colour, else `mean`, of its frames. Empty if all are. Throws Error with the file's
+/// name if a picture cannot be read, or shows no colours.
 Image<ColourLevels> levels_of_colour(const ScanFiles& files, const FrameSet& white,
                                      Image<ColourLevels> mean) {
   // 1. Pictures for the purpose: one in colour, or a grey one in each of three lights.
@@ -58,6 +63,8 @@ Image<ColourLevels> levels_of_colour(const ScanFiles& files, const FrameSet& whi
   // 2. The channels of a white picture, or the frames.
   return white.count() == 3 ? colour_levels(white) : std::move(mean);
 }
+
+}  // namespace
 
 void add_colour(Scan& scan, const ScanFiles& files, const FrameSet& white, Image<ColourLevels> mean,
                 const std::optional<WhiteBalance>& known) {

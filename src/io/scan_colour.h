@@ -17,12 +17,6 @@ namespace slipstream {
 /// count. Frames after the last one of them are left out of the list.
 std::vector<bool> frames_of_colour(const Sequence& sequence);
 
-/// The colours of a scan's pixels, not balanced: of ScanFiles::colour, else of the `white` picture
-/// of a scan in colour, else `mean`, of its frames. Empty if all are. Throws Error with the file's
-/// name if a picture cannot be read, or shows no colours.
-Image<ColourLevels> levels_of_colour(const ScanFiles& files, const FrameSet& white,
-                                     Image<ColourLevels> mean);
-
 /// Sets the scan's colours to these, balanced by the grey patch of `files`, else as `known`. Throws
 /// Error if they are not of the frames' size or the patch cannot be used.
 void add_colour(Scan& scan, const ScanFiles& files, const FrameSet& white, Image<ColourLevels> mean,

@@ -7,8 +7,6 @@
 #include <cstdint>
 #include <numeric>
 
-#include <Eigen/SVD>
-
 #include "base/parallel_rows.h"
 
 namespace slipstream {
@@ -86,14 +84,15 @@ std::vector<std::size_t> companions(const CompatibilityTable& table, std::size_t
   return members;
 }
 
+/// The motion that brings the second points of some correspondences nearest to the first ones.
 Eigen::Isometry3d motion_of(std::span<const Pairing> pairings,
                             const std::vector<std::size_t>& members) {
-  std::vector<Eigen::Vector3f> from, to;
-  for (const std::size_t k : members) {
-    from.push_back(pairings[k].second);
-    to.push_back(pairings[k].first);
+  Eigen::Matrix3Xd from(3, members.size()), to(3, members.size());
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    from.col(i) = pairings[members[i]].second.cast<double>();
+    to.col(i) = pairings[members[i]].first.cast<double>();
   }
-  return rigid_motion(from, to);
+  return Eigen::Isometry3d(Eigen::umeyama(from, to, false));
 }
 
 /// The correspondences that fit a pose.
@@ -133,36 +132,7 @@ std::vector<std::size_t> seeds_in_order(const CompatibilityTable& table, std::si
 
 }  // namespace
 
-Eigen::Isometry3d rigid_motion(std::span<const Eigen::Vector3f> from,
-                               std::span<const Eigen::Vector3f> to) {
-  Eigen::Vector3d from_mean = Eigen::Vector3d::Zero(), to_mean = Eigen::Vector3d::Zero();
-  const auto count = static_cast<double>(from.size());
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    from_mean += from[i].cast<double>() / count;
-    to_mean += to[i].cast<double>() / count;
-  }
-
-  Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    products += (to[i].cast<double>() - to_mean) * (from[i].cast<double>() - from_mean).transpose();
-  }
-
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(products, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d turn = svd.matrixU() * svd.matrixV().transpose();
-  if (turn.determinant() < 0) {  // a mirror image: turn the weakest axis around
-    Eigen::Matrix3d u = svd.matrixU();
-    u.col(2) = -u.col(2);
-    turn = u * svd.matrixV().transpose();
-  }
-
-  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
-  motion.linear() = turn;
-  motion.translation() = to_mean - turn * from_mean;
-  return motion;
-}
-
 double largest_displacement(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b,
-
                             const Eigen::Vector3d& middle, double reach) {
   double most = 0;
   for (int corner = 0; corner < 8; ++corner) {

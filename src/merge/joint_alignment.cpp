@@ -9,6 +9,8 @@
 #include <Eigen/Sparse>
 #include <fmt/format.h>
 
+#include "base/statistics.h"
+#include "geometry/rotation.h"
 #include "merge/consensus.h"
 
 namespace slipstream {
@@ -295,8 +297,7 @@ void balance_links(const std::vector<PreparedView>& views, const std::vector<Vie
 
       // Weighted by how far it moves the view's points.
       Eigen::Matrix<double, 3, 6> moved;
-      moved << 0, middle.z(), -middle.y(), 1, 0, 0, -middle.z(), 0, middle.x(), 0, 1, 0, middle.y(),
-          -middle.x(), 0, 0, 0, 1;
+      moved << -cross_matrix(middle), Eigen::Matrix3d::Identity();
       Matrix6 squares = moved.transpose() * moved;
       squares.diagonal().head<3>().array() += 2.0 / 3 * second.reach() * second.reach();
       const double off = contradiction(second, wanted, pose);
@@ -342,18 +343,17 @@ void refine_jointly(const std::vector<PreparedView>& views, const std::vector<Vi
 /// How far the poses along the tree of links are off where further links close loops.
 void measure_loops(const std::vector<PreparedView>& views, const Poses& poses,
                    JointAlignment& joint) {
-  double squares = 0, turns = 0, loops = 0;
+  Squares errors, turns;
   for (const ViewLink& link : joint.links) {
     if (!link.closes_loop || !poses[link.first]) continue;
     const Eigen::Isometry3d by_tree = poses[link.first]->inverse() * *poses[link.second];
     const Eigen::Isometry3d difference = by_tree.inverse() * link.alignment.pose;
-    squares += std::pow(contradiction(views[link.second], link.alignment.pose, by_tree), 2);
-    turns += std::pow(Eigen::AngleAxisd(difference.linear()).angle() * 180 / std::numbers::pi, 2);
-    ++loops;
+    errors.add(std::pow(contradiction(views[link.second], link.alignment.pose, by_tree), 2));
+    turns.add(std::pow(Eigen::AngleAxisd(difference.linear()).angle() * 180 / std::numbers::pi, 2));
   }
-  if (loops == 0) return;
-  joint.loop_error = std::sqrt(squares / loops);
-  joint.loop_turn = std::sqrt(turns / loops);
+  if (errors.count == 0) return;
+  joint.loop_error = errors.rms();
+  joint.loop_turn = turns.rms();
 }
 
 /// Compares each linked pair at the joint poses, in the order of the views.

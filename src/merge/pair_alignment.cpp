@@ -106,18 +106,17 @@ void describe_fit(const PreparedView& first, const PreparedView& second, std::si
   // twentieth of their spacing.
   const double spacing = std::max(first.view().spacing, second.view().spacing);
   std::size_t off = 0;
-  double squares = 0, within = 0;
+  Squares within;
   for (const SurfaceMatch& match : matches) {
     const double sigma = std::hypot(match.sigma, spacing / 20);
     if (std::abs(match.distance) > off_surface * sigma) {
       ++off;
     } else {
-      squares += match.distance * match.distance;
-      ++within;
+      within.add(match.distance * match.distance);
     }
   }
   alignment.misfits = share_of(off, matches.size());
-  alignment.rms = std::sqrt(squares / std::max(within, 1.0));
+  alignment.rms = within.rms();
 
   // 3. The information of the matches about the pose.
   alignment.centre = centre_of(matches);

@@ -155,10 +155,9 @@ SurfaceEquations equations_of(const std::vector<SurfaceMatch>& matches,
   if (matches.empty()) return equations;
 
   // The spread of the distances decides which are outliers, not a fixed distance.
-  std::vector<double> sizes;
-  sizes.reserve(matches.size());
-  for (const SurfaceMatch& match : matches) sizes.push_back(std::abs(match.distance) / match.sigma);
-  equations.scale = std::max(deviation_from_median(quantile(sizes, 0.5)), 1.0);
+  const double size = median_of(
+      matches, [](const SurfaceMatch& match) { return std::abs(match.distance) / match.sigma; });
+  equations.scale = std::max(deviation_from_median(size), 1.0);
 
   for (const SurfaceMatch& match : matches) {
     const double spread = match.sigma * equations.scale;
@@ -203,23 +202,11 @@ WeakestMotion weakest_motion(const SurfaceEquations& equations, double extent) {
           .motion = units.asDiagonal() * axes.eigenvectors().col(0)};
 }
 
-Eigen::Isometry3d motion_about(const Eigen::Vector3d& centre, const Vector6& step) {
-  const Eigen::Vector3d turn = step.head<3>();
-  const Eigen::Matrix3d rotation =
-      turn.norm() > 0 ? Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix()
-                      : Eigen::Matrix3d::Identity();
-  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
-  motion.linear() = rotation;
-  motion.translation() = centre + step.tail<3>() - rotation * centre;
-  return motion;
-}
-
 Eigen::Isometry3d settled_pose(const SurfaceSamples& first, const SurfaceSamples& second,
                                Eigen::Isometry3d pose, float farthest, float nearest, int rounds,
                                std::size_t step) {
   constexpr std::size_t fewest = 30;
-  constexpr double least_known = 1e-4;  // of the best known motion
-  constexpr double settled = 1e-4;      // spacings
+  constexpr double settled = 1e-4;  // spacings
 
   for (int round = 0; round < rounds; ++round) {
     const auto matches = match_surfaces(first, second, pose, farthest, step);
@@ -229,15 +216,8 @@ Eigen::Isometry3d settled_pose(const SurfaceSamples& first, const SurfaceSamples
     const SurfaceEquations equations = equations_of(matches, centre);
 
     const Vector6 units = units_of(extent_of(matches, centre));
-    const Eigen::SelfAdjointEigenSolver<Matrix6> axes(units.asDiagonal() * equations.squares *
-                                                      units.asDiagonal());
-    const Vector6 right = units.asDiagonal() * equations.right;
-    Vector6 move = Vector6::Zero();
-    for (int i = 0; i < 6; ++i) {
-      if (!(axes.eigenvalues()(i) > least_known * axes.eigenvalues()(5))) continue;
-      const auto axis = axes.eigenvectors().col(i);
-      move += axis.dot(right) / axes.eigenvalues()(i) * axis;
-    }
+    const Vector6 move = known_step(units.asDiagonal() * equations.squares * units.asDiagonal(),
+                                    units.asDiagonal() * equations.right);
 
     pose = motion_about(centre, units.asDiagonal() * move) * pose;
     pose.linear() = Eigen::Quaterniond(pose.linear()).normalized().matrix();

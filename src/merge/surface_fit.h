@@ -7,12 +7,10 @@
 
 #include <Eigen/Geometry>
 
+#include "geometry/point_fit.h"
 #include "merge/prepared_view.h"
 
 namespace slipstream {
-
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
-using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 /// A view's surface at one resolution; borrows it.
 struct SurfaceSamples {
@@ -76,9 +74,6 @@ WeakestMotion weakest_motion(const SurfaceEquations& equations, double extent);
 
 /// RMS distance of matches from their centre, mm.
 double extent_of(const std::vector<SurfaceMatch>& matches, const Eigen::Vector3d& centre);
-
-/// The motion about `centre` of a turn (rad) and shift (mm).
-Eigen::Isometry3d motion_about(const Eigen::Vector3d& centre, const Vector6& step);
 
 /// Mean place of matches.
 Eigen::Vector3d centre_of(const std::vector<SurfaceMatch>& matches);

@@ -203,13 +203,11 @@ std::vector<double> deviations_of(const Turntable& table, std::span<const PairPo
 
 /// Median over the pairs of the error of their turn, as a share of it.
 double turn_error(const Turntable& table, std::span<const PairPose> pairs) {
-  std::vector<double> errors;
-  for (const PairPose& pair : pairs) {
+  return median_of(pairs, [&](const PairPose& pair) {
     const Eigen::Matrix3d turn = pose_on(table, pair.first, pair.second).linear();
-    errors.push_back(turn_of(pair.pose.linear() * turn.transpose()).norm() /
-                     std::max(turn_of(pair.pose.linear()).norm(), 1e-9));
-  }
-  return median(std::move(errors));
+    return turn_of(pair.pose.linear() * turn.transpose()).norm() /
+           std::max(turn_of(pair.pose.linear()).norm(), 1e-9);
+  });
 }
 
 /// Spread of the deviations of most pairs; at least their standard deviation.

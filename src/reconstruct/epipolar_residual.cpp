@@ -100,13 +100,8 @@ LensResidual map_of(const std::vector<SeenDistance>& seen, Size picture, int deg
   return fitted_residual(samples, picture, degree);
 }
 
-/// Sum of squares about the mean, and how many.
-struct Spread {
-  double squares = 0;
-  int count = 0;
-};
-
-Spread spread_of(const Image<float>& medians, const std::function<bool(Size)>& takes) {
+/// The squares about the mean.
+Squares spread_of(const Image<float>& medians, const std::function<bool(Size)>& takes) {
   std::vector<double> values;
   for_each_pixel_in_order(medians.size(), [&](int column, int row) {
     const float median = medians(column, row);
@@ -117,25 +112,22 @@ Spread spread_of(const Image<float>& medians, const std::function<bool(Size)>& t
   for (const double value : values) sum += value;
   const double mean = sum / static_cast<double>(std::max<std::size_t>(values.size(), 1));
 
-  Spread spread{.count = static_cast<int>(values.size())};
-  for (const double value : values) spread.squares += (value - mean) * (value - mean);
+  Squares spread;
+  for (const double value : values) spread.add((value - mean) * (value - mean));
   return spread;
 }
 
 /// Standard deviation of the held-out blocks' medians, each half held out in turn.
 double held_out_deviation(const std::vector<SeenDistance>& seen, Size blocks, Size picture,
                           int degree) {
-  double squares = 0;
-  int count = 0;
+  Squares spread;
   for (const bool held_out : {false, true}) {
     const auto is_held_out = [&](Size block) { return is_even(block) == held_out; };
     const LensResidual map =
         degree == 0 ? LensResidual{} : map_of(seen, picture, degree, std::not_fn(is_held_out));
-    const Spread half = spread_of(block_medians(seen, blocks, map), is_held_out);
-    squares += half.squares;
-    count += half.count;
+    spread.add(spread_of(block_medians(seen, blocks, map), is_held_out));
   }
-  return std::sqrt(squares / std::max(count, 1));
+  return spread.rms();
 }
 
 }  // namespace

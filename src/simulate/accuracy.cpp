@@ -189,11 +189,9 @@ ShapeAccuracy measure_plane(const Cloud& cloud) {
   // 1. A rough plane, and its length from the median distance of the points: see the header.
   const std::vector<MeasuredPoint> points = points_in(cloud);
   const FittedPlane rough = fit_plane(points);
-  std::vector<double> reaches;
-  for (const MeasuredPoint& point : points) {
-    reaches.push_back((point.position - rough.centre).norm());
-  }
-  const double length = 2.5 * quantile(reaches, 0.5);
+  const double reach = median_of(
+      points, [&](const MeasuredPoint& point) { return (point.position - rough.centre).norm(); });
+  const double length = 2.5 * reach;
 
   // 2. The largest connected piece near that plane.
   Cloud whole = part_of(cloud, [&](int column, int row) {
@@ -279,7 +277,7 @@ Estimate mean_of(const std::vector<Estimate>& positions) {
 
 /// The median of the pixels' sigmas. Each has a relative uncertainty of 1 / sqrt(2 (n - 1)) of n
 /// scans, and a median of N values 1.25 / sqrt(N) of theirs.
-Estimate median_of(const Repeatability& repeated) {
+Estimate precision_of(const Repeatability& repeated) {
   std::vector<double> sigmas = finite_values(repeated.sigma);
   const double median = quantile(sigmas, 0.5);
   const double of_each = median / std::sqrt(2.0 * (repeated.scans - 1));
@@ -393,7 +391,7 @@ std::vector<AccuracyFigure> accuracy_figures(const Accuracy& accuracy) {
 
   // 3. Means and medians over all positions.
   if (!spacings.empty()) measured["dimension"] = mean_of(spacings);
-  if (accuracy.repeated) measured["precision"] = median_of(*accuracy.repeated);
+  if (accuracy.repeated) measured["precision"] = precision_of(*accuracy.repeated);
 
   std::vector<AccuracyFigure> figures;
   for (AccuracyFigure figure : all_figures) {

@@ -96,16 +96,6 @@ void append_surface(Mesh& mesh, int rows, int columns,
 
 MeshTree::MeshTree(const Mesh& mesh) : tree_(std::make_shared<const TriangleTree>(mesh)) {}
 
-std::optional<Hit> MeshTree::first_hit(const Ray& ray) const {
-  const OneRay one(ray);
-  Lanes distance = one.limit;
-  std::array<int, packet_rays> triangle;
-  tree_->find_first(ray.origin, one.directions, distance, triangle);
-
-  if (triangle[0] < 0) return std::nullopt;
-  return Hit{distance[0], tree_->normal(triangle[0])};
-}
-
 Texture uniform_texture(double alpha) {
   return [alpha](const Eigen::Vector3d&) { return alpha; };
 }
@@ -218,14 +208,6 @@ std::optional<SurfacePoint> first_surface(const std::vector<PlacedBody>& bodies,
                       surfaces.alpha[0],
                       bodies[hits.body[0]].body->shading,
                       surfaces.gloss[0]};
-}
-
-bool in_shadow(const std::vector<PlacedBody>& bodies, const Eigen::Vector3d& point,
-               const Eigen::Vector3d& light) {
-  OneRay one({light, point - light});
-  one.limit[0] = own_surface;
-  block(bodies, light, one.directions, one.limit);
-  return one.limit[0] < 0;
 }
 
 }  // namespace slipstream

@@ -1,8 +1,6 @@
 // Minimum-cost flow between residues, the cheapest change of steps that closes every loop:
 // Costantini, IEEE Transactions on Geoscience and Remote Sensing 36 (1998).
 
-#include "spatial/flow.h"
-
 #include <algorithm>
 #include <cstdint>
 #include <vector>

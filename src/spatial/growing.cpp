@@ -1,5 +1,4 @@
 // Methods that join pixels into groups, edge by edge.
-#include "spatial/growing.h"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,6 @@
 // Weighted least-squares fit of a surface's differences to the wrapped ones, by conjugate gradients
 // preconditioned by a cosine transform: Ghiglia and Romero, Journal of the Optical Society of
 // America A 11 (1994). Uses the orders nearest to the surface.
-#include "spatial/least_squares.h"
 
 #include <algorithm>
 #include <cmath>

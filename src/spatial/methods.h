@@ -165,4 +165,13 @@ class PhaseGroups {
   std::vector<Member> members_;
 };
 
+// The methods.
+Orders orders_by_rows(const WrappedCycles& wrapped);
+Orders orders_by_flood(const WrappedCycles& wrapped);
+Orders orders_by_regions(const WrappedCycles& wrapped);
+Orders orders_by_quality(const WrappedCycles& wrapped);
+Orders orders_by_branch_cuts(const WrappedCycles& wrapped);
+Orders orders_by_least_squares(const WrappedCycles& wrapped);
+Orders orders_by_flow(const WrappedCycles& wrapped);
+
 }  // namespace slipstream

@@ -10,9 +10,6 @@
 #include "base/parallel_rows.h"
 #include "base/statistics.h"
 #include "base/throw_if-inl.h"
-#include "spatial/flow.h"
-#include "spatial/growing.h"
-#include "spatial/least_squares.h"
 #include "spatial/methods.h"
 
 namespace slipstream {

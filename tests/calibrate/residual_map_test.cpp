@@ -57,15 +57,9 @@ GeometryCalibration calibrated(const BoardViews& views, const Scanner& scanner, 
 double error_on(const BoardViews& others, const std::vector<Eigen::Isometry3d>& poses,
                 const Scanner& found) {
   const BoardPlaces printed = printed_places(board);
-  const BundleState state =
-      bundle_adjusted(others, {found, poses, printed}, printed,
-                      {.hold_camera = true, .hold_projector = true, .hold_rig = true});
+  const BundleState state = bundle_adjusted(others, {found, poses, printed}, printed, all_held);
 
-  Squares camera;
-  for (std::size_t v = 0; v < others.size(); ++v) {
-    camera.add(reprojection(others[v], state, v).camera);
-  }
-  return camera.rms();
+  return reprojection(others, state).camera.rms();
 }
 
 TEST(ResidualMap, IsFittedWithLensesAndPoses) {

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrate/board_view.h"
+#include "calibrate/cameras_adjustment.h"
 #include "slipstream/named_scenes.h"
 #include "tests/calibrate/virtual_views.h"
 #include "tests/io/expect_error.h"
@@ -19,10 +20,6 @@
 namespace slipstream::several_cameras_test {
 
 const CalibrationBoard board{.columns = 9, .rows = 6, .spacing = 20};
-
-Eigen::Isometry3d rig_of(const Scanner& scanner) {
-  return Eigen::Translation3d(scanner.translation) * Eigen::Isometry3d(scanner.rotation);
-}
 
 /// The example scanner, and cameras beside it that look at the same place past its projector.
 std::vector<Scanner> true_scanners(std::size_t count) {

@@ -26,13 +26,14 @@ Errors errors_of(const FusedModel& model, const MeshTree& object, const Eigen::I
                  int least_views) {
   constexpr double least_facing = 0.6;
 
-  const Eigen::Isometry3d to_object = pose.inverse();
+  const Scene scene{Body{.shape = std::make_shared<const MeshTree>(object), .pose = pose}};
+  const std::vector<PlacedBody> bodies = placed_at(scene, 0);
   double squares = 0, z_squares = 0, count = 0;
   for (const ModelPoint& point : model.points) {
     const Eigen::Vector3d place = point.position.cast<double>();
     const double facing = std::abs(point.normal.cast<double>().dot(place.normalized()));
     if (point.views < least_views || facing < least_facing) continue;
-    const auto hit = object.first_hit({to_object.translation(), to_object.linear() * place});
+    const auto hit = first_surface(bodies, {Eigen::Vector3d::Zero(), place});
     if (!hit) continue;
 
     const double error = (hit->distance - 1) * place.norm() * facing;

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <random>
 #include <string>
+#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -96,16 +98,16 @@ inline Shot shot_of(const MeshTree& object, const Eigen::Isometry3d& pose, doubl
   Shot shot{Cloud(size), Uncertainty(size)};
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
-  const Eigen::Isometry3d to_object = pose.inverse();
+  const Scene scene{Body{.shape = std::make_shared<const MeshTree>(object), .pose = pose}};
+  const std::vector<PlacedBody> bodies = placed_at(scene, 0);
   const double focal = 1.3 * size.width;
 
   for_each_pixel_in_order(size, [&](int column, int row) {
     const Eigen::Vector3d ray((column - size.width / 2.0) / focal,
                               (row - size.height / 2.0) / focal, 1);
-    const auto hit = object.first_hit({to_object.translation(), to_object.linear() * ray});
+    const auto hit = first_surface(bodies, {Eigen::Vector3d::Zero(), ray});
     if (!hit) return;
-    const double facing =
-        std::abs(hit->normal.normalized().dot(to_object.linear() * ray.normalized()));
+    const double facing = std::abs(hit->normal.dot(ray.normalized()));
     if (facing < least_facing) return;
 
     const double sigma = noise * (0.6 + 0.4 / facing);

@@ -3,9 +3,11 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "simulate/ray_packet.h"
 #include "simulate/sculptures.h"
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
@@ -27,6 +29,16 @@ Mesh sphere_mesh(double radius) {
                   radius * std::sin(latitude) * std::sin(longitude));
   });
   return mesh;
+}
+
+/// Whether anything other than the surface at `point` blocks `light`.
+bool in_shadow(const std::vector<PlacedBody>& bodies, const Vector& point, const Vector& light) {
+  LaneVectors directions;
+  for (int i = 0; i < packet_rays; ++i) directions.set(i, point - light);
+  Lanes limit;
+  limit.fill(own_surface);
+  block(bodies, light, directions, limit);
+  return limit[0] < 0;
 }
 
 TEST(Scene, RaysMeetShapesWhereTheyShould) {
@@ -207,10 +219,11 @@ TEST(Scene, NamedScenesStandWhereCameraAndProjectorLook) {
 }
 
 TEST(Scene, StatueHidesPartsOfItself) {
-  const MeshTree tree(statue());
+  const Scene scene{Body{.shape = std::make_shared<const MeshTree>(statue())}};
+  const std::vector<PlacedBody> bodies = placed_at(scene, 0);
   // Along the axis of sight through the ring: ring first, then chest, with space between.
-  const auto ring = tree.first_hit({Vector(-0.11, -0.16, 5), Vector(0, 0, -1)});
-  const auto chest = tree.first_hit({Vector(0.02, -0.16, 5), Vector(0, 0, -1)});
+  const auto ring = first_surface(bodies, {Vector(-0.11, -0.16, 5), Vector(0, 0, -1)});
+  const auto chest = first_surface(bodies, {Vector(0.02, -0.16, 5), Vector(0, 0, -1)});
   ASSERT_TRUE(ring && chest);
   EXPECT_GT(chest->distance - ring->distance, 0.02);
 }

@@ -9,7 +9,6 @@
 #include <rapidcheck/gtest.h>
 
 #include "slipstream/error.h"
-#include "spatial/flow.h"
 #include "spatial/methods.h"
 #include "tests/spatial/known_phase.h"
 

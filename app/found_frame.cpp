@@ -1,5 +1,3 @@
-#include "app/found_frame.h"
-
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -10,6 +8,7 @@
 #include <vector>
 
 #include "app/board_flags.h"
+#include "app/commands.h"
 #include "app/frame.h"
 #include "app/scan_flags.h"
 #include "base/numbers.h"

@@ -1,10 +1,10 @@
-#include "python/bindings/keyword_names.h"
-
 #include <cstddef>
 #include <map>
 #include <optional>
 #include <string>
 #include <string_view>
+
+#include "python/bindings/bindings.h"
 
 namespace slipstream::python {
 namespace {

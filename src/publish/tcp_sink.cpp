@@ -1,5 +1,3 @@
-#include "publish/tcp_sink.h"
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -20,6 +18,7 @@
 
 #include "base/thread_priority.h"
 #include "base/throw_if-inl.h"
+#include "publish/sink_kind.h"
 #include "publish/web_access.h"
 #include "slipstream/cloud_file.h"
 #include "slipstream/cloud_sink.h"

@@ -1,5 +1,3 @@
-#include "publish/web_sink.h"
-
 #include <algorithm>
 #include <array>
 #include <atomic>

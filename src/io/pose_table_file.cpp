@@ -333,12 +333,7 @@ void check_names(PoseTable& table) {
 PoseTable pose_table_in_text(const std::string& text, bool is_yaml, std::string_view columns,
                              const std::string& name) {
   return naming(name, [&] {
-    PoseTable table;
-    try {
-      table = is_yaml ? table_in_yaml(text) : table_in_lines(text, columns);
-    } catch (const YAML::Exception& error) {
-      throw Error(fmt::format("line {}: not YAML: {}", error.mark.line + 1, error.msg));
-    }
+    PoseTable table = is_yaml ? table_in_yaml(text) : table_in_lines(text, columns);
     throw_if(table.rows.empty(), "no poses: expected a pose a line, with 6, 7, 12 or 16 numbers");
     check_names(table);
     return table;

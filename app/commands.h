@@ -55,6 +55,9 @@ void tell_replaced(const fs::path& folder, Output& output);
 /// Parses "1824x1140". Throws Error naming the flag for anything else.
 Size size_from(const std::string& text, const std::string& flag);
 
+/// Parses "640x480+16+8". Throws Error naming the flag for anything else.
+Rectangle region_from(const std::string& text, const std::string& flag);
+
 /// Element type of a flag's value.
 template <class Value>
 struct NumberOf {
@@ -73,14 +76,17 @@ struct FlagGroup {
   std::string name = "Options";  ///< heading in the help
 
   /// Adds a flag that sets `value`: a switch for a bool; otherwise its present number or text is
-  /// shown as the default. Sizes are written "1824x1140".
+  /// shown as the default. Sizes are written "1824x1140", regions "640x480+16+8".
   template <class Value>
   CLI::Option* add(const std::string& flag, Value& value, const std::string& help) const {
     // 1. A switch.
     if constexpr (std::is_same_v<Value, bool>) {
       return app.add_flag(flag, value, help)->group(name);
+    } else if constexpr (std::is_same_v<Value, std::optional<Rectangle>>) {
+      // 2. A region or a size, in one word.
+      return add_read<>(
+          flag, [&value, flag](const std::string& text) { value = region_from(text, flag); }, help);
     } else if constexpr (std::is_same_v<typename NumberOf<Value>::Type, Size>) {
-      // 2. A size, in one word.
       const auto read = [&value, flag](const std::string& text) { value = size_from(text, flag); };
       CLI::Option* const option = add_read<>(flag, read, help);
       if constexpr (std::is_same_v<Value, Size>) option->default_str(text_of(value));

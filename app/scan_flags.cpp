@@ -143,15 +143,9 @@ void add_anyway_flag(CLI::App& subcommand, bool& anyway) {
 }
 
 void add_grey_patch_flag(const FlagGroup& group, ScanChanges& changes) {
-  const auto read = [&changes](const std::string& text) {
-    changes.grey_patch = rectangle_of_text(text);
-    throw_if(!changes.grey_patch.has_value(),
-             "--grey-patch '{}' is not a region; give width x height + x + y, e.g. 20x20+300+200",
-             text);
-  };
-  group.add_read<>("--grey-patch", read,
-                   "balance the colours by this part of the picture, which shows grey or white: "
-                   "width x height + x + y; default: the scanner's white balance");
+  group.add("--grey-patch", changes.grey_patch,
+            "balance the colours by this part of the picture, which shows grey or white: "
+            "width x height + x + y; default: the scanner's white balance");
 }
 
 void add_scan_input_flags(CLI::App& subcommand, ScanFlags& flags) {
@@ -164,18 +158,11 @@ void add_scan_input_flags(CLI::App& subcommand, ScanFlags& flags) {
               "none, or a gamma");
 
   options.add("--camera-bits", flags.bits, "bit depth of the camera, if below 16 in 16-bit files");
-  const auto cut = [&flags](const std::string& text) {
-    flags.camera_region = rectangle_of_text(text);
-    throw_if(!flags.camera_region.has_value(),
-             "--camera-region '{}' is not a region; give width x height + x + y, e.g. "
-             "640x480+16+8",
-             text);
-  };
   add_grey_patch_flag(options, flags);
-  options.add_read<>("--camera-region", cut,
-                     "part of the calibrated picture that the frames show, width x height + x + y, "
-                     "if the camera's region was set or the pictures were cropped since; frames of "
-                     "a half or a third of that size are taken for binned ones");
+  options.add("--camera-region", flags.camera_region,
+              "part of the calibrated picture that the frames show, width x height + x + y, "
+              "if the camera's region was set or the pictures were cropped since; frames of "
+              "a half or a third of that size are taken for binned ones");
 
   add_scan_flags(subcommand, flags);
 }

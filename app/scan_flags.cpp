@@ -1,7 +1,6 @@
 #include "app/scan_flags.h"
 
 #include <algorithm>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -174,11 +173,7 @@ void add_backend_flag(const FlagGroup& group, ReconstructSettings& settings) {
 
 void add_clean_flags(CLI::App& subcommand, ReconstructSettings& settings) {
   const FlagGroup group{subcommand, "Cleaning"};
-  const auto take_raw = [&settings] {
-    settings.clean = CleanSettings::none();
-    settings.nearest = settings.nearest.value_or(0);
-    settings.farthest = settings.farthest.value_or(std::numeric_limits<double>::infinity());
-  };
+  const auto take_raw = [&settings] { keep_all_points(settings); };
 
   subcommand  // added first: flags of single filters then override it
       .add_flag_callback("--raw", take_raw, "keep all points; apply only filters given by flag")

@@ -1,4 +1,4 @@
-#include "app/accuracy.h"
+#include "simulate/accuracy.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/commands.h"
 #include "app/report_facts.h"
 #include "app/source_flags.h"
 #include "base/numbers.h"
@@ -15,7 +16,6 @@
 #include "io/image_file.h"
 #include "io/plot.h"
 #include "io/result_files.h"
-#include "simulate/accuracy.h"
 #include "simulate/accuracy_report.h"
 #include "simulate/comparison.h"
 #include "simulate/rehearsal.h"

@@ -1,9 +1,8 @@
-#include "app/assist.h"
-
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "app/commands.h"
 #include "app/source_flags.h"
 #include "live/cyclic_scans.h"
 #include "response/exposure_advice.h"

@@ -1,5 +1,3 @@
-#include "app/batch.h"
-
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "app/batch_plan.h"
+#include "app/commands.h"
 #include "app/manifest.h"
 #include "app/reconstruct.h"
 #include "base/parallel_rows.h"

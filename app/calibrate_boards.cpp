@@ -9,12 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "app/calibrate_photometry.h"
-#include "app/calibrate_points.h"
-#include "app/calibrate_residual.h"
 #include "app/flag_names.h"
-#include "app/hand_eye.h"
-#include "app/phase_maps.h"
 #include "app/scan_flags.h"
 #include "calibrate/board_view.h"
 #include "calibrate/report.h"

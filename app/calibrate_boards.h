@@ -38,17 +38,4 @@ PoseCaptures captured_boards(const BoardCaptureFlags& flags, const CalibrationBo
 /// report. The document's `verdict` is the report's.
 void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output);
 
-/// Adds `calibrate` with all its commands, also those of calibrate_photometry.h,
-/// hand_eye.h and phase_maps.h.
-void add_calibrate(const Commands& program);
-
-/// Adds `calibrate board`, which draws a board to print.
-void add_calibrate_board(const Commands& calibrate);
-
-/// Adds `calibrate geometry`, which calibrates camera and projector.
-void add_calibrate_geometry(const Commands& calibrate);
-
-/// Adds `calibrate verify`, which checks a scanner file against scans of a board.
-void add_calibrate_verify(const Commands& calibrate);
-
 }  // namespace slipstream::app

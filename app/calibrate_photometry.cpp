@@ -1,10 +1,9 @@
-#include "app/calibrate_photometry.h"
-
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "app/commands.h"
 #include "app/scan_flags.h"
 #include "base/statistics.h"
 #include "decode/equations.h"

@@ -1,11 +1,10 @@
-#include "app/calibrate_points.h"
-
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "app/calibration_result.h"
+#include "app/commands.h"
 #include "base/numbers.h"
 #include "calibrate/point_boards.h"
 #include "io/point_lists.h"

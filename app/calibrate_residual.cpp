@@ -1,10 +1,9 @@
-#include "app/calibrate_residual.h"
-
 #include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "app/commands.h"
 #include "app/scan_flags.h"
 #include "base/numbers.h"
 #include "io/plot.h"

@@ -1,5 +1,3 @@
-#include "app/cameras.h"
-
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "app/board_flags.h"
+#include "app/commands.h"
 #include "app/process.h"
 #include "app/source_flags.h"
 #include "devices/virtual_gige_camera.h"

@@ -45,7 +45,4 @@ CaptureRig open_rig(const CaptureFlags& flags, Output& output, double turn = 0);
 /// The frames of one scan, and those of its guard, taken once the scene is still.
 std::vector<FrameSet> still_frames(const CaptureRig& rig, Output& output);
 
-/// Adds `capture`, which takes a scan, or board poses that it calibrates from.
-void add_capture(const Commands& program);
-
 }  // namespace slipstream::app

@@ -1,11 +1,10 @@
-#include "app/check.h"
-
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "app/commands.h"
 #include "app/scan_flags.h"
 #include "base/numbers.h"
 #include "slipstream/measure.h"

@@ -231,6 +231,13 @@ Size size_from(const std::string& text, const std::string& flag) {
   return *size;
 }
 
+Rectangle region_from(const std::string& text, const std::string& flag) {
+  const std::optional<Rectangle> region = rectangle_of_text(text);
+  throw_if(!region.has_value(),
+           "{} '{}' is not a region; give width x height + x + y, e.g. 640x480+16+8", flag, text);
+  return *region;
+}
+
 void add_rig_flag(CLI::App& subcommand, const CLI::App& program, AppliedRig& rig) {
   if (opens_ports(subcommand)) {
     const std::string help = "let other machines reach the ports that the rig file opens";

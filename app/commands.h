@@ -55,6 +55,9 @@ void tell_replaced(const fs::path& folder, Output& output);
 /// Parses "1824x1140". Throws Error naming the flag for anything else.
 Size size_from(const std::string& text, const std::string& flag);
 
+/// Parses "640x480+16+8". Throws Error naming the flag for anything else.
+Rectangle region_from(const std::string& text, const std::string& flag);
+
 /// Element type of a flag's value.
 template <class Value>
 struct NumberOf {
@@ -73,14 +76,17 @@ struct FlagGroup {
   std::string name = "Options";  ///< heading in the help
 
   /// Adds a flag that sets `value`: a switch for a bool; otherwise its present number or text is
-  /// shown as the default. Sizes are written "1824x1140".
+  /// shown as the default. Sizes are written "1824x1140", regions "640x480+16+8".
   template <class Value>
   CLI::Option* add(const std::string& flag, Value& value, const std::string& help) const {
     // 1. A switch.
     if constexpr (std::is_same_v<Value, bool>) {
       return app.add_flag(flag, value, help)->group(name);
+    } else if constexpr (std::is_same_v<Value, std::optional<Rectangle>>) {
+      // 2. A region or a size, in one word.
+      return add_read<>(
+          flag, [&value, flag](const std::string& text) { value = region_from(text, flag); }, help);
     } else if constexpr (std::is_same_v<typename NumberOf<Value>::Type, Size>) {
-      // 2. A size, in one word.
       const auto read = [&value, flag](const std::string& text) { value = size_from(text, flag); };
       CLI::Option* const option = add_read<>(flag, read, help);
       if constexpr (std::is_same_v<Value, Size>) option->default_str(text_of(value));
@@ -272,5 +278,17 @@ struct Commands {
 
 /// Adds one command, or a command with its own commands.
 using AddCommand = void(const Commands& program);
+
+// The program's commands, which their help describes.
+AddCommand add_assist, add_batch, add_bench, add_calibrate, add_camera, add_capture, add_check,
+    add_compare, add_convert, add_demo, add_design, add_frame, add_gpu, add_height, add_live,
+    add_measure, add_merge, add_patterns, add_project, add_reconstruct, add_record, add_reproduce,
+    add_serve, add_simulate, add_studio, add_unwrap, add_verify, add_view;
+
+// Those of `calibrate`, and those of `frame` that find a pose in a scan.
+AddCommand add_calibrate_ambient, add_calibrate_board, add_calibrate_colour, add_calibrate_gamma,
+    add_calibrate_geometry, add_calibrate_hand_eye, add_calibrate_height, add_calibrate_noise,
+    add_calibrate_points, add_calibrate_residual, add_calibrate_stitch, add_calibrate_touch,
+    add_calibrate_verify, add_calibrate_virtual_robot, add_found_frames;
 
 }  // namespace slipstream::app

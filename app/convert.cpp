@@ -1,5 +1,3 @@
-#include "app/convert.h"
-
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -12,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/commands.h"
 #include "app/scan_flags.h"
 #include "base/numbers.h"
 #include "io/file.h"

@@ -1,9 +1,8 @@
-#include "app/demo.h"
-
 #include <cerrno>
 #include <cstdlib>
 #include <string>
 
+#include "app/commands.h"
 #include "app/reconstructed_scan.h"
 #include "io/result_files.h"
 #include "simulate/comparison.h"

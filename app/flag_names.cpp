@@ -1,11 +1,12 @@
 #include "app/flag_names.h"
 
 #include <algorithm>
-#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
+
+#include "base/printable.h"
 
 namespace slipstream::app {
 namespace {
@@ -80,24 +81,7 @@ std::string present_name(std::string_view name) {
 }
 
 std::string with_flags(std::string_view text) {
-  std::string shown;
-
-  while (!text.empty()) {
-    // 1. Copy the text up to the next backquote.
-    const std::size_t begin = std::min(text.find('`'), text.size());
-    shown += text.substr(0, begin);
-    text.remove_prefix(begin);
-    if (text.empty()) break;
-
-    // 2. Replace the text between this backquote and the next if it names something. Otherwise copy
-    // only this backquote: the next one may begin a name.
-    const std::size_t end = text.find('`', 1);
-    const auto named = end == text.npos ? std::nullopt : named_in(text.substr(1, end - 1));
-    shown += named.value_or("`");
-    text.remove_prefix(named ? end + 1 : 1);
-  }
-
-  return shown;
+  return with_names(text, named_in);
 }
 
 }  // namespace slipstream::app

@@ -1,5 +1,3 @@
-#include "app/found_frame.h"
-
 #include <array>
 #include <cstddef>
 #include <optional>
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "app/board_flags.h"
+#include "app/commands.h"
 #include "app/frame.h"
 #include "app/scan_flags.h"
 #include "base/numbers.h"
@@ -137,12 +136,8 @@ void find_by_planes(const PlanesFlags& flags, Output& output) {
 
   std::array<FittedPlane, 3> planes;
   for (std::size_t i = 0; i < planes.size(); ++i) {
-    const auto rectangle = rectangle_of_text(flags.planes[i]);
-    throw_if(!rectangle,
-             "--plane '{}' is not a rectangle; give width x height + x + y, e.g. "
-             "200x100+320+240",
-             flags.planes[i]);
-    planes[i] = fit_plane(points_in(stored.cloud, nullptr, *rectangle));
+    const Rectangle rectangle = region_from(flags.planes[i], "--plane");
+    planes[i] = fit_plane(points_in(stored.cloud, nullptr, rectangle));
   }
   const PlaneFrame found = frame_of_planes(planes);
 

@@ -2,8 +2,6 @@
 
 #include <vector>
 
-#include "app/found_frame.h"
-
 namespace slipstream::app {
 namespace {
 

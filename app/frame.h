@@ -20,7 +20,4 @@ void add_pose_output_flags(const FlagGroup& group, PoseOutputFlags& flags);
 /// Prints the pose and adds it to the JSON document; writes it if a file is named.
 void put_pose(const FramePose& pose, const PoseOutputFlags& flags, Output& output);
 
-/// Adds `frame`, which converts poses between frames and finds them.
-void add_frame(const Commands& program);
-
 }  // namespace slipstream::app

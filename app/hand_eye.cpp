@@ -1,4 +1,4 @@
-#include "app/hand_eye.h"
+#include "calibrate/hand_eye.h"
 
 #include <algorithm>
 #include <array>
@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "app/calibrate_boards.h"
+#include "app/commands.h"
 #include "app/scan_flags.h"
 #include "base/numbers.h"
-#include "calibrate/hand_eye.h"
 #include "calibrate/hand_eye_boards.h"
 #include "calibrate/hand_eye_report.h"
 #include "calibrate/report.h"

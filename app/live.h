@@ -43,10 +43,4 @@ void require_good(const LiveFlags& flags);
 /// Runs from source to clouds until the source or a signal ends it.
 void live(const LiveFlags& flags, Output& output);
 
-/// Adds `live`, which reconstructs in real time.
-void add_live(const Commands& program);
-
-/// Adds `serve`, which runs live as a service, from a rig file.
-void add_serve(const Commands& program);
-
 }  // namespace slipstream::app

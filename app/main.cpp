@@ -15,37 +15,15 @@
 #include <CLI/Formatter.hpp>
 #include <tbb/global_control.h>
 
-#include "app/check.h"
-#include "app/demo.h"
+#include "app/commands.h"
 #include "app/help.h"
-#include "app/patterns.h"
 #include "app/process.h"
-#include "app/reconstruct.h"
 #include "app/scan_flags.h"
 #include "app/whole_program.h"
 #include "base/system_failure.h"
 #include "io/file.h"
 
-#ifdef SLIPSTREAM_ALL_COMMANDS
-#include "app/accuracy.h"
-#include "app/assist.h"
-#include "app/batch.h"
-#include "app/calibrate_boards.h"
-#include "app/cameras.h"
-#include "app/capture.h"
-#include "app/convert.h"
-#include "app/frame.h"
-#include "app/live.h"
-#include "app/merge.h"
-#include "app/phase_maps.h"
-#include "app/simulate.h"
-#include "app/tools.h"
-#endif
-
 #ifdef SLIPSTREAM_VIEW
-#include "app/project.h"
-#include "app/studio.h"
-#include "app/view.h"
 #include "view/opengl.h"
 #endif
 

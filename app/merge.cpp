@@ -1,5 +1,3 @@
-#include "app/merge.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -10,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/commands.h"
 #include "app/merge_report.h"
 #include "app/scan_flags.h"
 #include "base/numbers.h"

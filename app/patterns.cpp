@@ -1,10 +1,9 @@
-#include "app/patterns.h"
-
 #include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "app/commands.h"
 #include "app/scan_flags.h"
 #include "codes/design.h"
 #include "codes/motion_window.h"

@@ -1,10 +1,9 @@
-#include "app/phase_maps.h"
-
 #include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "app/commands.h"
 #include "app/process.h"
 #include "app/scan_flags.h"
 #include "base/numbers.h"

@@ -1,11 +1,10 @@
-#include "app/project.h"
-
 #include <chrono>
 #include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "app/commands.h"
 #include "app/process.h"
 #include "app/scan_flags.h"
 #include "devices/dlp.h"

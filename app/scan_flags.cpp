@@ -1,7 +1,6 @@
 #include "app/scan_flags.h"
 
 #include <algorithm>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -143,15 +142,9 @@ void add_anyway_flag(CLI::App& subcommand, bool& anyway) {
 }
 
 void add_grey_patch_flag(const FlagGroup& group, ScanChanges& changes) {
-  const auto read = [&changes](const std::string& text) {
-    changes.grey_patch = rectangle_of_text(text);
-    throw_if(!changes.grey_patch.has_value(),
-             "--grey-patch '{}' is not a region; give width x height + x + y, e.g. 20x20+300+200",
-             text);
-  };
-  group.add_read<>("--grey-patch", read,
-                   "balance the colours by this part of the picture, which shows grey or white: "
-                   "width x height + x + y; default: the scanner's white balance");
+  group.add("--grey-patch", changes.grey_patch,
+            "balance the colours by this part of the picture, which shows grey or white: "
+            "width x height + x + y; default: the scanner's white balance");
 }
 
 void add_scan_input_flags(CLI::App& subcommand, ScanFlags& flags) {
@@ -164,18 +157,11 @@ void add_scan_input_flags(CLI::App& subcommand, ScanFlags& flags) {
               "none, or a gamma");
 
   options.add("--camera-bits", flags.bits, "bit depth of the camera, if below 16 in 16-bit files");
-  const auto cut = [&flags](const std::string& text) {
-    flags.camera_region = rectangle_of_text(text);
-    throw_if(!flags.camera_region.has_value(),
-             "--camera-region '{}' is not a region; give width x height + x + y, e.g. "
-             "640x480+16+8",
-             text);
-  };
   add_grey_patch_flag(options, flags);
-  options.add_read<>("--camera-region", cut,
-                     "part of the calibrated picture that the frames show, width x height + x + y, "
-                     "if the camera's region was set or the pictures were cropped since; frames of "
-                     "a half or a third of that size are taken for binned ones");
+  options.add("--camera-region", flags.camera_region,
+              "part of the calibrated picture that the frames show, width x height + x + y, "
+              "if the camera's region was set or the pictures were cropped since; frames of "
+              "a half or a third of that size are taken for binned ones");
 
   add_scan_flags(subcommand, flags);
 }
@@ -187,11 +173,7 @@ void add_backend_flag(const FlagGroup& group, ReconstructSettings& settings) {
 
 void add_clean_flags(CLI::App& subcommand, ReconstructSettings& settings) {
   const FlagGroup group{subcommand, "Cleaning"};
-  const auto take_raw = [&settings] {
-    settings.clean = CleanSettings::none();
-    settings.nearest = settings.nearest.value_or(0);
-    settings.farthest = settings.farthest.value_or(std::numeric_limits<double>::infinity());
-  };
+  const auto take_raw = [&settings] { keep_all_points(settings); };
 
   subcommand  // added first: flags of single filters then override it
       .add_flag_callback("--raw", take_raw, "keep all points; apply only filters given by flag")

@@ -1,11 +1,10 @@
-#include "app/simulate.h"
-
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "app/board_flags.h"
+#include "app/commands.h"
 #include "app/process.h"
 #include "app/source_flags.h"
 #include "app/turntable.h"

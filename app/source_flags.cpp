@@ -93,15 +93,8 @@ void add_picture_flags(const FlagGroup& group, CameraSettings& settings) {
   group.add_read<double>("--exposure", expose, "exposure time per frame, ms");
 
   group.add("--gain", settings.gain, "camera gain, in the camera's unit, usually dB");
-  const auto cut = [&settings](const std::string& text) {
-    settings.region = rectangle_of_text(text);
-    throw_if(!settings.region.has_value(),
-             "--region '{}' is not a region; give width x height + x + y, e.g. 640x480+16+8", text);
-  };
-
-  group.add_read<>(
-      "--region", cut,
-      "part of the sensor, width x height + x + y, e.g. 640x480+16+8; v4l2: only the size");
+  group.add("--region", settings.region,
+            "part of the sensor, width x height + x + y, e.g. 640x480+16+8; v4l2: only the size");
 
   const auto read = [&settings](const std::string& text) { set_pixel_format(settings, text); };
   group

@@ -8,7 +8,4 @@ namespace slipstream::app {
 /// SLIPSTREAM_VIEW.
 void studio(const LiveFlags& flags, Output& output);
 
-/// Adds `studio`, in the same builds.
-void add_studio(const Commands& program);
-
 }  // namespace slipstream::app

@@ -1,5 +1,3 @@
-#include "app/tools.h"
-
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -8,6 +6,7 @@
 
 #include <tbb/global_control.h>
 
+#include "app/commands.h"
 #include "bench/bench_report.h"
 #include "bench/bench_rows.h"
 #include "io/file.h"

@@ -42,7 +42,4 @@ view::ViewSource view_source_of(const std::string& path, const CloudFlags& flags
 /// Viewable scan folders and files in a folder, newest first.
 std::vector<std::string> viewable_in(const fs::path& folder);
 
-/// Adds `view`, which shows a scan or a cloud in a window, or draws it into a picture.
-void add_view(const Commands& program);
-
 }  // namespace slipstream::app

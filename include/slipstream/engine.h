@@ -125,6 +125,9 @@ inline constexpr const char* backend_forms =
 /// Throws Error for other names.
 void set_backend(ReconstructSettings& settings, std::string_view name);
 
+/// Keeps all points: without cleaning, and without a limit of depth that is not set.
+void keep_all_points(ReconstructSettings& settings);
+
 /// Everything that an engine is made from.
 struct EngineSetup {
   Scanner scanner{};

@@ -141,10 +141,6 @@ enum class CauseKind {
 std::string_view name_of(FindingKind kind);
 std::string_view name_of(CauseKind kind);
 
-/// All kinds, in the order of the enumeration.
-std::span<const FindingKind> finding_kinds();
-std::span<const CauseKind> cause_kinds();
-
 /// A measured quantity that supports a finding.
 struct Evidence {
   std::string name;  ///< in words: "median depth"

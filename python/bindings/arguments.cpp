@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -190,13 +189,8 @@ void take(Keywords& keywords, ReconstructSettings& settings) {
 
   take_described(keywords, settings);
 
-  if (raw) {  // settings without a keyword
-    settings.clean = CleanSettings::none();
-    settings.nearest = settings.nearest.value_or(0);
-    settings.farthest = settings.farthest.value_or(std::numeric_limits<double>::infinity());
-  }
-
-  // After `raw`, so that single cleaning settings override it.
+  // Single cleaning settings override `raw`.
+  if (raw) keep_all_points(settings);
   take_described(keywords, settings.clean);
 }
 

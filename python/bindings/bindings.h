@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -45,6 +46,18 @@ using Unlocked = py::call_guard<py::gil_scoped_release>;
 
 template <class Number>
 using ArrayOf = py::array_t<Number, py::array::forcecast>;
+
+/// Adds a part of the module.
+using Bind = void(py::module_& module);
+
+// Later ones use the types of earlier ones.
+Bind bind_sequences, bind_scanners, bind_scans, bind_findings, bind_clouds, bind_map_files,
+    bind_spatial_unwrapping, bind_engine, bind_virtual_world, bind_calibration, bind_live;
+
+/// A text of the library, see Error, with the module's names in backquotes: "`camera_bits 12`"
+/// becomes "`bits 12`". Names of settings that only the program has become its commands:
+/// "`slipstream view`".
+std::string with_keywords(std::string_view text);
 
 /// A getter of a member's member.
 template <class Owner, class Outer, class Inner>

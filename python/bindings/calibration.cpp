@@ -1,5 +1,3 @@
-#include "python/bindings/calibration.h"
-
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -12,8 +10,8 @@
 #include "decode/phase_decoder.h"
 #include "io/image_file.h"
 #include "python/bindings/arguments.h"
+#include "python/bindings/bindings.h"
 #include "python/bindings/given.h"
-#include "python/bindings/keyword_names.h"
 #include "python/bindings/scans.h"
 #include "response/ambient_calibration.h"
 #include "response/gamma_calibration.h"

@@ -10,9 +10,6 @@
 
 namespace slipstream::python {
 
-/// Adds clouds and maps.
-void bind_clouds(py::module_& module);
-
 /// A cloud owned by Python; its arrays view it, and nothing writes to it any more.
 class HeldCloud {
  public:

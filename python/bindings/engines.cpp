@@ -1,5 +1,3 @@
-#include "python/bindings/engines.h"
-
 #include <algorithm>
 #include <atomic>
 #include <memory>
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "python/bindings/arguments.h"
+#include "python/bindings/bindings.h"
 #include "python/bindings/clouds.h"
 #include "python/bindings/given.h"
 #include "python/bindings/scans.h"

@@ -1,13 +1,11 @@
-#include "python/bindings/findings.h"
-
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "python/bindings/bindings.h"
 #include "python/bindings/given.h"
-#include "python/bindings/keyword_names.h"
 #include "slipstream/check.h"
 #include "slipstream/gamma.h"
 

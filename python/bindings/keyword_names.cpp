@@ -1,10 +1,12 @@
-#include "python/bindings/keyword_names.h"
-
-#include <cstddef>
 #include <map>
 #include <optional>
 #include <string>
 #include <string_view>
+
+#include <fmt/format.h>
+
+#include "base/printable.h"
+#include "python/bindings/bindings.h"
 
 namespace slipstream::python {
 namespace {
@@ -39,39 +41,22 @@ const std::map<std::string_view, std::string_view> other_words{
     {"windows", "slipstream reconstruct --windows"},
 };
 
-/// In place of a text between backquotes; nullopt if it stays.
+/// In place of a text between backquotes, with them; nullopt if it stays.
 std::optional<std::string> words_for(std::string_view quoted) {
-  if (const auto whole = other_words.find(quoted); whole != other_words.end()) {
-    return std::string(whole->second);
-  }
+  const auto whole = other_words.find(quoted);
+  if (whole != other_words.end()) return fmt::format("`{}`", whole->second);
 
   // A setting with a value.
   const std::string_view name = quoted.substr(0, quoted.find(' '));
   const auto found = other_words.find(name);
   if (found == other_words.end()) return std::nullopt;
-  return std::string(found->second) + std::string(quoted.substr(name.size()));
+  return fmt::format("`{}{}`", found->second, quoted.substr(name.size()));
 }
 
 }  // namespace
 
 std::string with_keywords(std::string_view text) {
-  std::string shown;
-
-  while (!text.empty()) {
-    // 1. Copy the text up to the next backquote, with it.
-    const std::size_t begin = text.find('`');
-    const std::size_t end = begin == text.npos ? text.npos : text.find('`', begin + 1);
-    if (end == text.npos) return shown + std::string(text);
-    shown += text.substr(0, begin + 1);
-
-    // 2. Replace a name and go on after it; other text between backquotes is copied later, as its
-    // last one may begin a name.
-    const auto words = words_for(text.substr(begin + 1, end - begin - 1));
-    if (words) shown += *words + '`';
-    text.remove_prefix(words ? end + 1 : begin + 1);
-  }
-
-  return shown;
+  return with_names(text, words_for);
 }
 
 }  // namespace slipstream::python

@@ -1,5 +1,3 @@
-#include "python/bindings/live.h"
-
 #include <chrono>
 #include <condition_variable>
 #include <exception>
@@ -11,6 +9,7 @@
 #include <utility>
 
 #include "python/bindings/arguments.h"
+#include "python/bindings/bindings.h"
 #include "python/bindings/clouds.h"
 #include "python/bindings/given.h"
 #include "python/bindings/settings_help.h"

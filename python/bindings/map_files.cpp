@@ -1,11 +1,10 @@
-#include "python/bindings/map_files.h"
-
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "io/image_file.h"
 #include "python/bindings/arguments.h"
+#include "python/bindings/bindings.h"
 #include "slipstream/spatial_unwrapping.h"
 
 namespace slipstream::python {

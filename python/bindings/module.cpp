@@ -6,17 +6,9 @@
 
 #include "base/system_failure.h"
 #include "python/bindings/arguments.h"
-#include "python/bindings/calibration.h"
+#include "python/bindings/bindings.h"
 #include "python/bindings/clouds.h"
-#include "python/bindings/engines.h"
-#include "python/bindings/findings.h"
-#include "python/bindings/keyword_names.h"
-#include "python/bindings/live.h"
-#include "python/bindings/map_files.h"
-#include "python/bindings/scanners.h"
 #include "python/bindings/scans.h"
-#include "python/bindings/sequences.h"
-#include "python/bindings/virtual_world.h"
 #include "slipstream/check.h"
 #include "slipstream/error.h"
 

@@ -1,5 +1,3 @@
-#include "python/bindings/scanners.h"
-
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -15,6 +13,7 @@
 #include "decode/phase_decoder.h"
 #include "io/pattern_pictures.h"
 #include "python/bindings/arguments.h"
+#include "python/bindings/bindings.h"
 #include "response/correction.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/scanner_file.h"

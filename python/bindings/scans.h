@@ -11,9 +11,6 @@
 
 namespace slipstream::python {
 
-/// Adds frames, scans and recordings; uses the types of bind_scanners.
-void bind_scans(py::module_& module);
-
 /// Calls warnings.warn for each line, as "NAME: LINE" or the line alone without a name.
 void warn_of(const std::string& name, const std::vector<std::string>& lines);
 

@@ -1,5 +1,3 @@
-#include "python/bindings/sequences.h"
-
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -11,6 +9,7 @@
 #include "codes/design.h"
 #include "io/pattern_pictures.h"
 #include "python/bindings/arguments.h"
+#include "python/bindings/bindings.h"
 #include "python/bindings/given.h"
 #include "slipstream/strategy.h"
 

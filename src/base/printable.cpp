@@ -1,5 +1,6 @@
 #include "base/printable.h"
 
+#include <algorithm>
 #include <cstddef>
 
 #include <fmt/format.h>
@@ -35,6 +36,28 @@ std::string printable(std::string_view text) {
 
 std::string printable_lines(std::string_view text) {
   return without_controls(text, true);
+}
+
+std::string with_names(std::string_view text,
+                       std::optional<std::string> (*named)(std::string_view quoted)) {
+  std::string shown;
+
+  while (!text.empty()) {
+    // 1. Copy the text up to the next backquote.
+    const std::size_t begin = std::min(text.find('`'), text.size());
+    shown += text.substr(0, begin);
+    text.remove_prefix(begin);
+    if (text.empty()) break;
+
+    // 2. Replace the text between this backquote and the next if it names something. Otherwise copy
+    // only this backquote: the next one may begin a name.
+    const std::size_t end = text.find('`', 1);
+    const auto name = end == text.npos ? std::nullopt : named(text.substr(1, end - 1));
+    shown += name.value_or("`");
+    text.remove_prefix(name ? end + 1 : 1);
+  }
+
+  return shown;
 }
 
 }  // namespace slipstream

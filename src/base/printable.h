@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -11,5 +12,10 @@ std::string printable(std::string_view text);
 
 /// The same, but line breaks stay: for texts of several lines.
 std::string printable_lines(std::string_view text);
+
+/// A text of the library, see Error, with what `named` gives for each text between backquotes, in
+/// place of these too; where it gives nullopt, they stay.
+std::string with_names(std::string_view text,
+                       std::optional<std::string> (*named)(std::string_view quoted));
 
 }  // namespace slipstream

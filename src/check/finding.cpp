@@ -6,7 +6,6 @@
 #include <functional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -14,182 +13,138 @@
 namespace slipstream {
 namespace {
 
-/// A kind with its identifier.
-template <class Kind>
-using Named = std::pair<Kind, std::string_view>;
-
-constexpr std::array named_findings = std::to_array<Named<FindingKind>>({
-    {FindingKind::other, "other"},
-
+/// In the order of the enumerations.
+constexpr auto finding_names = std::to_array<std::string_view>({
+    "other",
     // Frames against the patterns.
-    {FindingKind::pattern_mismatch, "pattern-mismatch"},
-    {FindingKind::beyond_black_or_white, "beyond-black-or-white"},
-    {FindingKind::unlisted_code_words, "unlisted-code-words"},
-    {FindingKind::contradicting_bits, "contradicting-bits"},
-    {FindingKind::code_against_phase, "code-against-phase"},
-    {FindingKind::phase_origin_off, "phase-origin-off"},
-    {FindingKind::phase_direction_reversed, "phase-direction-reversed"},
-    {FindingKind::no_coordinate_fits, "no-coordinate-fits"},
-    {FindingKind::unrelated_modulations, "unrelated-modulations"},
-    {FindingKind::fringe_orders_disagree, "fringe-orders-disagree"},
-    {FindingKind::coordinate_jumps, "coordinate-jumps"},
-    {FindingKind::better_settings, "better-settings"},
-
+    "pattern-mismatch",
+    "beyond-black-or-white",
+    "unlisted-code-words",
+    "contradicting-bits",
+    "code-against-phase",
+    "phase-origin-off",
+    "phase-direction-reversed",
+    "no-coordinate-fits",
+    "unrelated-modulations",
+    "fringe-orders-disagree",
+    "coordinate-jumps",
+    "better-settings",
     // Frames that were damaged, mixed or lit differently.
-    {FindingKind::repeated_frame, "repeated-frame"},
-    {FindingKind::partly_repeated_frame, "partly-repeated-frame"},
-    {FindingKind::partly_black_frame, "partly-black-frame"},
-    {FindingKind::frame_without_pattern, "frame-without-pattern"},
-    {FindingKind::mixed_frames, "mixed-frames"},
-    {FindingKind::changing_light, "changing-light"},
-
+    "repeated-frame",
+    "partly-repeated-frame",
+    "partly-black-frame",
+    "frame-without-pattern",
+    "mixed-frames",
+    "changing-light",
     // Light and camera.
-    {FindingKind::too_many_grey_levels, "too-many-grey-levels"},
-    {FindingKind::unused_bits, "unused-bits"},
-    {FindingKind::no_modulation, "no-modulation"},
-    {FindingKind::low_modulation, "low-modulation"},
-    {FindingKind::mostly_dark, "mostly-dark"},
-    {FindingKind::saturated, "saturated"},
-    {FindingKind::clipped, "clipped"},
-    {FindingKind::strong_ambient_light, "strong-ambient-light"},
-    {FindingKind::colour_mosaic, "colour-mosaic"},
-    {FindingKind::nonlinear_light, "nonlinear-light"},
-    {FindingKind::unproven_response, "unproven-response"},
-    {FindingKind::blind_gamma_refused, "blind-gamma-refused"},
-    {FindingKind::excess_noise, "excess-noise"},
-
+    "too-many-grey-levels",
+    "unused-bits",
+    "no-modulation",
+    "low-modulation",
+    "mostly-dark",
+    "saturated",
+    "clipped",
+    "strong-ambient-light",
+    "colour-mosaic",
+    "nonlinear-light",
+    "unproven-response",
+    "blind-gamma-refused",
+    "excess-noise",
     // Frames against the scanner, and the scanner by itself.
-    {FindingKind::geometry_mismatch, "geometry-mismatch"},
-    {FindingKind::depths_beyond_boards, "depths-beyond-boards"},
-    {FindingKind::short_baseline, "short-baseline"},
-    {FindingKind::oblique_baseline, "oblique-baseline"},
-    {FindingKind::off_centre_camera, "off-centre-camera"},
-    {FindingKind::off_centre_projector, "off-centre-projector"},
-    {FindingKind::stripes_along_baseline, "stripes-along-baseline"},
-    {FindingKind::small_scale, "small-scale"},
-    {FindingKind::axes_disagree, "axes-disagree"},
-    {FindingKind::cameras_disagree, "cameras-disagree"},
-    {FindingKind::camera_orders_disagree, "camera-orders-disagree"},
-    {FindingKind::few_points, "few-points"},
-
+    "geometry-mismatch",
+    "depths-beyond-boards",
+    "short-baseline",
+    "oblique-baseline",
+    "off-centre-camera",
+    "off-centre-projector",
+    "stripes-along-baseline",
+    "small-scale",
+    "axes-disagree",
+    "cameras-disagree",
+    "camera-orders-disagree",
+    "few-points",
     // Maps of other programs.
-    {FindingKind::shared_map_value, "shared-map-value"},
-    {FindingKind::impossible_map_values, "impossible-map-values"},
-    {FindingKind::light_ends_elsewhere, "light-ends-elsewhere"},
-
+    "shared-map-value",
+    "impossible-map-values",
+    "light-ends-elsewhere",
     // Calibration.
-    {FindingKind::phase_ripple, "phase-ripple"},
-    {FindingKind::blurred_print, "blurred-print"},
-    {FindingKind::faint_fringes, "faint-fringes"},
-    {FindingKind::saturated_board, "saturated-board"},
-    {FindingKind::uncertain_focal_length, "uncertain-focal-length"},
-    {FindingKind::unlit_corners, "unlit-corners"},
-    {FindingKind::few_poses, "few-poses"},
-    {FindingKind::parallel_boards, "parallel-boards"},
-    {FindingKind::uncovered_picture, "uncovered-picture"},
-    {FindingKind::bent_board, "bent-board"},
-    {FindingKind::stretched_board, "stretched-board"},
-    {FindingKind::wrong_print_size, "wrong-print-size"},
-    {FindingKind::oblong_projector_pixels, "oblong-projector-pixels"},
-    {FindingKind::odd_pose, "odd-pose"},
-    {FindingKind::two_rigs, "two-rigs"},
-    {FindingKind::large_camera_rms, "large-camera-rms"},
-    {FindingKind::large_projector_rms, "large-projector-rms"},
-    {FindingKind::inaccurate_scanner, "inaccurate-scanner"},
+    "phase-ripple",
+    "blurred-print",
+    "faint-fringes",
+    "saturated-board",
+    "uncertain-focal-length",
+    "unlit-corners",
+    "few-poses",
+    "parallel-boards",
+    "uncovered-picture",
+    "bent-board",
+    "stretched-board",
+    "wrong-print-size",
+    "oblong-projector-pixels",
+    "odd-pose",
+    "two-rigs",
+    "large-camera-rms",
+    "large-projector-rms",
+    "inaccurate-scanner",
 });
 
-constexpr std::array named_causes = std::to_array<Named<CauseKind>>({
-    {CauseKind::unclear, "unclear"},
-
+constexpr auto cause_names = std::to_array<std::string_view>({
+    "unclear",
     // Settings of the scan.
-    {CauseKind::frame_order, "frame-order"},
-    {CauseKind::pattern_settings, "pattern-settings"},
-    {CauseKind::axis, "axis"},
-    {CauseKind::bit_depth, "bit-depth"},
-
+    "frame-order",
+    "pattern-settings",
+    "axis",
+    "bit-depth",
     // The scanner file, and pictures that it is not for.
-    {CauseKind::scanner_file, "scanner-file"},
-    {CauseKind::other_rig, "other-rig"},
-    {CauseKind::picture_size, "picture-size"},
-    {CauseKind::picture_orientation, "picture-orientation"},
-    {CauseKind::rig_moved, "rig-moved"},
-    {CauseKind::depth_range, "depth-range"},
-
+    "scanner-file",
+    "other-rig",
+    "picture-size",
+    "picture-orientation",
+    "rig-moved",
+    "depth-range",
     // The response.
-    {CauseKind::gamma, "gamma"},
-    {CauseKind::needless_response, "needless-response"},
-
+    "gamma",
+    "needless-response",
     // Capture.
-    {CauseKind::repeated_frame, "repeated-frame"},
-    {CauseKind::lost_data, "lost-data"},
-    {CauseKind::dark_projector, "dark-projector"},
-    {CauseKind::out_of_step, "out-of-step"},
-    {CauseKind::flicker, "flicker"},
-    {CauseKind::overexposure, "overexposure"},
-    {CauseKind::underexposure, "underexposure"},
-    {CauseKind::ambient_light, "ambient-light"},
-    {CauseKind::clipped_pictures, "clipped-pictures"},
-    {CauseKind::colour_mosaic, "colour-mosaic"},
-    {CauseKind::blur, "blur"},
-    {CauseKind::noise, "noise"},
-    {CauseKind::rejected_pixels, "rejected-pixels"},
-
+    "repeated-frame",
+    "lost-data",
+    "dark-projector",
+    "out-of-step",
+    "flicker",
+    "overexposure",
+    "underexposure",
+    "ambient-light",
+    "clipped-pictures",
+    "colour-mosaic",
+    "blur",
+    "noise",
+    "rejected-pixels",
     // Maps of other programs.
-    {CauseKind::map_unit, "map-unit"},
-    {CauseKind::invalid_pixels, "invalid-pixels"},
-
+    "map-unit",
+    "invalid-pixels",
     // Calibration.
-    {CauseKind::few_poses, "few-poses"},
-    {CauseKind::few_tilts, "few-tilts"},
-    {CauseKind::board_coverage, "board-coverage"},
-    {CauseKind::board_print, "board-print"},
-    {CauseKind::bent_board, "bent-board"},
-    {CauseKind::moved_board, "moved-board"},
-    {CauseKind::projector_size, "projector-size"},
-    {CauseKind::inaccurate_corners, "inaccurate-corners"},
+    "few-poses",
+    "few-tilts",
+    "board-coverage",
+    "board-print",
+    "bent-board",
+    "moved-board",
+    "projector-size",
+    "inaccurate-corners",
 });
 
-/// Whether each kind stands at its place, so that it can be looked up by its number.
-template <class Names>
-constexpr bool is_complete(const Names& names, std::size_t count) {
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (static_cast<std::size_t>(names[i].first) != i) return false;
-  }
-  return names.size() == count;
-}
-
-static_assert(is_complete(named_findings,
-                          static_cast<std::size_t>(FindingKind::inaccurate_scanner) + 1));
-static_assert(is_complete(named_causes,
-                          static_cast<std::size_t>(CauseKind::inaccurate_corners) + 1));
-
-/// The kinds of a table of names.
-template <class Kind, std::size_t count>
-constexpr std::array<Kind, count> kinds_of(const std::array<Named<Kind>, count>& names) {
-  std::array<Kind, count> kinds{};
-  for (std::size_t i = 0; i < count; ++i) kinds[i] = names[i].first;
-  return kinds;
-}
-
-constexpr std::array all_findings = kinds_of(named_findings);
-constexpr std::array all_causes = kinds_of(named_causes);
+static_assert(finding_names.size() ==
+              static_cast<std::size_t>(FindingKind::inaccurate_scanner) + 1);
+static_assert(cause_names.size() == static_cast<std::size_t>(CauseKind::inaccurate_corners) + 1);
 
 }  // namespace
 
 std::string_view name_of(FindingKind kind) {
-  return named_findings.at(static_cast<std::size_t>(kind)).second;
+  return finding_names.at(static_cast<std::size_t>(kind));
 }
 
 std::string_view name_of(CauseKind kind) {
-  return named_causes.at(static_cast<std::size_t>(kind)).second;
-}
-
-std::span<const FindingKind> finding_kinds() {
-  return all_findings;
-}
-
-std::span<const CauseKind> cause_kinds() {
-  return all_causes;
+  return cause_names.at(static_cast<std::size_t>(kind));
 }
 
 std::string name_with_unit(const Evidence& evidence) {

@@ -28,7 +28,7 @@ std::string_view characters_in(NpzBytes bytes) {
 
 /// `length` bytes at `at`. Throws Error if they are not there.
 NpzBytes part_of(NpzBytes bytes, std::size_t at, std::size_t length) {
-  throw_if(at > bytes.size() || length > bytes.size() - at, "not a complete .npz file");
+  throw_if(at > bytes.size() || length > bytes.size() - at, "not a complete NumPy file");
   return bytes.subspan(at, length);
 }
 
@@ -63,7 +63,7 @@ std::vector<std::uint8_t> unpacked_file(NpzBytes bytes, NpzBytes entry) {
       unpacker != nullptr &&
       libdeflate_deflate_decompress(unpacker.get(), packed.data(), packed.size(), unpacked.data(),
                                     size, nullptr) == LIBDEFLATE_SUCCESS;
-  throw_if(!good, "not a complete .npz file");
+  throw_if(!good, "not a complete NumPy file");
   return unpacked;
 }
 
@@ -75,22 +75,18 @@ std::string_view text_between(std::string_view text, std::string_view begin, std
   return text.substr(0, std::min(text.find(end), text.size()));
 }
 
-/// The lengths in a shape such as "12, 147, 2" or "5,"; none for other texts, and for arrays of
-/// more numbers than a calibration has.
+/// The lengths in a shape such as "12, 147, 2" or "5,"; 1 for "", none for other texts.
 std::vector<int> lengths_in_shape(std::string_view shape) {
-  constexpr int most = 1 << 24;
   std::vector<int> lengths;
-  double count = 1;
 
   while (!shape.empty()) {
     std::string_view word = take_until(shape, ',');
     word.remove_prefix(std::min(word.find_first_not_of(' '), word.size()));
     if (word.empty()) continue;
 
-    const int length = number_in<int>(word).value_or(0);
-    count *= length;
-    if (length < 1 || count > most) return {};
-    lengths.push_back(length);
+    const auto length = number_in<int>(word);
+    if (!length || *length < 0) return {};
+    lengths.push_back(*length);
   }
 
   return lengths.empty() ? std::vector{1} : lengths;
@@ -134,26 +130,32 @@ StoredMatrix matrix_of(const NumpyArray& array) {
 
 }  // namespace
 
+std::optional<NpyHeader> npy_header(NpzBytes file) {
+  if (file.size() < npy_preamble || !characters_in(file).starts_with(npy_magic)) return {};
+
+  // A Python dictionary in the form that numpy.save writes.
+  const std::size_t length = number_at<std::uint16_t>(file, npy_magic.size());
+  const std::string_view header = characters_in(part_of(file, npy_preamble, length));
+  return NpyHeader{.type = text_between(header, "'descr': '", "'"),
+                   .by_columns = text_between(header, "'fortran_order': ", ",").starts_with("True"),
+                   .shape = lengths_in_shape(text_between(header, "'shape': (", ")")),
+                   .numbers = file.subspan(npy_preamble + length)};
+}
+
 NumpyArray array_of_npy(NpzBytes file) {
-  constexpr std::string_view magic = "\x93NUMPY";
-  constexpr std::size_t preamble = 10;  // of version 1.0: the length of the header ends it
-  if (file.size() < preamble || !characters_in(file).starts_with(magic) || file[6] != 1) return {};
+  const auto header = npy_header(file);
+  if (!header) return {};
 
-  const std::size_t length = number_at<std::uint16_t>(file, 8);
-  const std::string_view header = characters_in(part_of(file, preamble, length));
-  const NpzBytes numbers = file.subspan(preamble + length);
+  // Larger arrays than a calibration has are left out.
+  constexpr double most = 1 << 24;
+  NumpyArray array{.shape = header->shape, .has_objects = header->type == "|O"};
+  double count = array.shape.empty() ? 0 : 1;
+  for (const int each : array.shape) count *= each;
+  if (count == 0 || count > most) return {.has_objects = array.has_objects};
 
-  const std::string_view type = text_between(header, "'descr': '", "'");
-  const bool by_columns = text_between(header, "'fortran_order': ", ",") == "True";
-  NumpyArray array{.shape = lengths_in_shape(text_between(header, "'shape': (", ")")),
-                   .has_objects = type == "|O"};
-
-  std::size_t count = array.shape.empty() ? 0 : 1;
-  for (const int each : array.shape) count *= static_cast<std::size_t>(each);
-
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto number =
-        number_of_type(numbers, type, by_columns ? place_by_columns(i, array.shape) : i);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    const auto number = number_of_type(header->numbers, header->type,
+                                       header->by_columns ? place_by_columns(i, array.shape) : i);
     if (!number) return {.has_objects = array.has_objects};
     array.numbers.push_back(*number);
   }
@@ -164,7 +166,7 @@ std::map<std::string, NumpyArray> arrays_of_npz(NpzBytes bytes, std::uint64_t la
   // 1. The end of the file names the place of the directory.
   constexpr std::size_t end_size = 22, entry_size = 46;
   const std::size_t end = characters_in(bytes).rfind("PK\x05\x06");
-  throw_if(end == std::string_view::npos, "not a complete .npz file");
+  throw_if(end == std::string_view::npos, "not a complete NumPy file");
 
   const NpzBytes ending = part_of(bytes, end, end_size);
   const std::size_t count = number_at<std::uint16_t>(ending, 10);
@@ -178,7 +180,7 @@ std::map<std::string, NumpyArray> arrays_of_npz(NpzBytes bytes, std::uint64_t la
   std::uint64_t sum = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const NpzBytes entry = part_of(bytes, at, entry_size);
-    throw_if(!characters_in(entry).starts_with("PK\x01\x02"), "not a complete .npz file");
+    throw_if(!characters_in(entry).starts_with("PK\x01\x02"), "not a complete NumPy file");
 
     const std::size_t name_size = number_at<std::uint16_t>(entry, 28);
     std::string name(characters_in(part_of(bytes, at + entry_size, name_size)));

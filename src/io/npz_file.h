@@ -2,13 +2,31 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "io/opencv_storage.h"
 
 namespace slipstream {
+
+/// The first bytes of an .npy file of version 1.0, and with them the length of its header.
+inline constexpr std::string_view npy_magic{"\x93NUMPY\x01\x00", 8};
+inline constexpr std::size_t npy_preamble = npy_magic.size() + 2;
+
+/// The header of an .npy file, and the bytes of its numbers.
+struct NpyHeader {
+  std::string_view type{};   ///< "<f8"
+  bool by_columns = false;   ///< the first index runs fastest
+  std::vector<int> shape{};  ///< lengths, 0 or more; empty if the file has none
+  std::span<const std::uint8_t> numbers{};
+};
+
+/// Borrows from `bytes`; nullopt unless they are an .npy file of version 1.0. Throws Error, without
+/// a file name, if the header is truncated.
+std::optional<NpyHeader> npy_header(std::span<const std::uint8_t> bytes);
 
 /// An array of NumPy.
 struct NumpyArray {

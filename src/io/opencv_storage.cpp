@@ -73,7 +73,7 @@ StoredMatrix entry_from(const YAML::Node& node) {
   return matrix_from(node["rows"].Scalar(), node["cols"].Scalar(), data);
 }
 
-/// Returns nullopt, or throws a YAML exception, if it is not such a file.
+/// Returns nullopt, or throws Error, if it is not such a file.
 std::optional<StoredEntries> entries_from_yaml(std::string text) {
   // OpenCV's first line, "%YAML:1.0", is not YAML.
   if (text.starts_with("%YAML")) text.erase(0, std::min(text.find('\n'), text.size()));
@@ -227,7 +227,7 @@ StoredEntries opencv_entries(const std::string& text, const std::string& name) {
     if (entries) return *std::move(entries);
   } catch (const RepeatedKey& repeated) {
     throw RepeatedKey(fmt::format("{}: {}", name, repeated.what()));
-  } catch (const YAML::Exception&) {
+  } catch (const Error&) {
     // Rejected below, like any other file.
   }
 

@@ -19,12 +19,12 @@
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"
 #include "io/file.h"
+#include "io/npz_file.h"
 #include "io/pictures.h"
 
 namespace slipstream {
 namespace {
 
-using namespace std::string_view_literals;
 using Bytes = std::span<const std::uint8_t>;
 
 std::string_view text_in(Bytes bytes) {
@@ -78,9 +78,6 @@ int scans_in(Bytes bytes) {
   for (std::size_t at = text.find(mark); at != text.npos; at = text.find(mark, at + 1)) ++scans;
   return scans;
 }
-
-constexpr auto npy_magic = "\x93NUMPY\x01\x00"sv;  // with version 1.0
-constexpr std::size_t npy_preamble = npy_magic.size() + 2;
 
 }  // namespace
 
@@ -239,43 +236,29 @@ std::vector<std::uint8_t> pgm_file_of(const PictureView& picture) {
 }
 
 Picture read_npy(Bytes bytes) {
-  // 1. The header: a Python dictionary in the form that numpy.save writes.
-  constexpr std::size_t longest_header = 1024;
-  const std::string_view text = text_in(bytes);
-  throw_if(text.size() < npy_preamble || !text.starts_with(npy_magic),
-           "not a NumPy file of version 1.0");
-  const auto length = number_at<std::uint16_t>(bytes, npy_magic.size());
-  throw_if(length > longest_header || text.size() < npy_preamble + length,
-           "not a complete NumPy file");
-
-  const std::string header(text.substr(npy_preamble, length));
-  char size = '\0';
-  int rows = 0, columns = 0, end = 0;
-  std::sscanf(header.c_str(),
-              "{'descr': '<f%c', 'fortran_order': False, 'shape': (%9d, %9d), }%n",  // NOLINT
-              &size, &rows, &columns, &end);
-
-  const bool ends = end > 0 && header.ends_with('\n') &&
-                    header.find_first_not_of(' ', static_cast<std::size_t>(end)) == length - 1U;
-  throw_if((size != '4' && size != '8') || !ends,
+  // 1. The header.
+  const auto header = npy_header(bytes);
+  throw_if(!header, "not a NumPy file of version 1.0");
+  const bool is_float = header->type == "<f4", is_double = header->type == "<f8";
+  throw_if((!is_float && !is_double) || header->by_columns || header->shape.size() != 2,
            "not rows x columns of little-endian float32 or float64; convert it with "
            "numpy.ascontiguousarray(map, dtype='<f4')");
 
   // 2. The size.
-  const std::int64_t pixels = rows < 0 || columns < 0 ? 0 : std::int64_t{rows} * columns;
+  const int rows = header->shape.front(), columns = header->shape.back();
+  const std::int64_t pixels = std::int64_t{rows} * columns;
   throw_if(pixels == 0 || pixels > static_cast<std::int64_t>(largest_picture),
            "declares {} pixels; expected 1 to {}", pixels, largest_picture);
 
-  const Bytes numbers = bytes.subspan(npy_preamble + length);
-  const PictureKind kind{{columns, rows}, 1, size == '4' ? 32 : 64};
+  const PictureKind kind{{columns, rows}, 1, is_float ? 32 : 64};
   const std::size_t wanted = kind.row_bytes() * static_cast<std::size_t>(rows);
 
-  throw_if(numbers.size() != wanted, "has {} bytes of numbers; its shape requires {}",
-           numbers.size(), wanted);
+  throw_if(header->numbers.size() != wanted, "has {} bytes of numbers; its shape requires {}",
+           header->numbers.size(), wanted);
 
   // 3. The numbers.
   Picture picture(kind);
-  std::memcpy(picture.row(0), numbers.data(), wanted);
+  std::memcpy(picture.row(0), header->numbers.data(), wanted);
 
   return picture;
 }

@@ -242,13 +242,7 @@ FramePose read_pose(const std::filesystem::path& file) {
 }
 
 FramePose pose_in_text(const std::string& text, const std::string& name) {
-  return naming(name, [&] {
-    try {
-      return pose_from_entries(PoseEntries(yaml_document(text)));
-    } catch (const YAML::Exception& exception) {
-      refuse_entry(exception.mark, "not YAML: " + exception.msg);
-    }
-  });
+  return naming(name, [&] { return pose_from_entries(PoseEntries(yaml_document(text))); });
 }
 
 std::string text_of(const FramePose& pose, const PoseNotation& notation) {

@@ -17,6 +17,7 @@
 #include "base/printable.h"
 #include "base/throw_if-inl.h"
 #include "io/file.h"
+#include "io/point_elements.h"
 #include "io/unique_keys.h"
 
 namespace slipstream {
@@ -99,23 +100,12 @@ std::vector<double> row_from(const NamedNumbers& of) {
   return row;
 }
 
-/// The parts between separators; `separators` as in find_first_of.
-Names words_in(std::string_view line, std::string_view separators) {
-  Names words;
-  while (!line.empty()) {
-    const std::size_t end = std::min(line.find_first_of(separators), line.size());
-    if (end > 0) words.emplace_back(line.substr(0, end));
-    line.remove_prefix(std::min(end + 1, line.size()));
-  }
-  return words;
-}
-
-std::optional<double> number_of_word(const std::string& word) {
-  return number_in<double>(word.starts_with('+') ? std::string_view(word).substr(1) : word);
+std::optional<double> number_of_word(std::string_view word) {
+  return number_in<double>(word.starts_with('+') ? word.substr(1) : word);
 }
 
 /// Separators of columns: those that the line of names has, so that names may have blanks.
-std::string_view separators_of(std::string_view line) {
+const char* separators_of(std::string_view line) {
   if (line.find(';') != line.npos) return ";\r";
   if (line.find(',') != line.npos) return ",\r";
   if (line.find('\t') != line.npos) return "\t\r";
@@ -132,8 +122,8 @@ std::string unquoted(std::string_view cell) {
 
 /// A line under column names.
 NamedNumbers numbers_in_columns(const std::string& line, const Names& columns,
-                                std::string_view separators) {
-  const Names cells = words_in(line, separators);
+                                const char* separators) {
+  const auto cells = words_of(line, separators);
   throw_if(cells.size() != columns.size(), "{} columns; expected {}", cells.size(), columns.size());
 
   NamedNumbers of;
@@ -144,7 +134,7 @@ NamedNumbers numbers_in_columns(const std::string& line, const Names& columns,
     }
     if (columns[i].empty()) continue;
 
-    const Names words = words_in(cells[i], " \t");
+    const auto words = words_of(cells[i]);
     const std::optional<double> number = number_of_word(words.empty() ? "" : words.front());
     if (number) of.numbers.emplace_back(columns[i], *number);
   }
@@ -174,8 +164,9 @@ std::string without_speed(const std::string& line) {
 /// A line that has its names beside its numbers, or none.
 NamedNumbers numbers_in_line(const std::string& line) {
   NamedNumbers of;
-  std::string before;
-  for (const std::string& word : words_in(without_speed(line), " \t\r,;{}[]()=:\"'")) {
+  const std::string pose = without_speed(line);
+  std::string_view before;
+  for (const std::string_view word : words_of(pose, " \t\r,;{}[]()=:\"'")) {
     const std::optional<double> number = number_of_word(word);
     if (!number) {
       // The last word before the first number names the pose, unless it names a coordinate.
@@ -187,7 +178,7 @@ NamedNumbers numbers_in_line(const std::string& line) {
     of.numbers.emplace_back(plain_name(before), *number);
     const bool is_first = of.numbers.size() == 1;
     if (is_first && of.numbers.front().first != "x" && names_a_pose(before)) of.pose = before;
-    before.clear();
+    before = {};
   }
   return of;
 }
@@ -199,14 +190,14 @@ bool is_comment(std::string_view line) {
 }
 
 bool has_numbers(const std::string& line) {
-  return std::ranges::any_of(words_in(line, " \t\r,;{}[]()=:"), [](const std::string& word) {
+  return std::ranges::any_of(words_of(line, " \t\r,;{}[]()=:"), [](std::string_view word) {
     return number_of_word(word).has_value();
   });
 }
 
-Names plain_names(std::string_view line, std::string_view separators) {
+Names plain_names(std::string_view line, const char* separators) {
   Names names;
-  for (const std::string& word : words_in(line, separators)) names.push_back(plain_name(word));
+  for (const std::string_view word : words_of(line, separators)) names.push_back(plain_name(word));
   return names;
 }
 
@@ -220,7 +211,8 @@ void add_row(PoseTable& table, const NamedNumbers& of) {
 
 PoseTable table_in_lines(const std::string& text, std::string_view named_columns) {
   PoseTable table;
-  std::string_view left = text, separators = ",; \t\r";
+  std::string_view left = text;
+  const char* separators = ",; \t\r";
   Names columns = plain_names(named_columns, ",");
   bool begun = false;
 
@@ -333,12 +325,7 @@ void check_names(PoseTable& table) {
 PoseTable pose_table_in_text(const std::string& text, bool is_yaml, std::string_view columns,
                              const std::string& name) {
   return naming(name, [&] {
-    PoseTable table;
-    try {
-      table = is_yaml ? table_in_yaml(text) : table_in_lines(text, columns);
-    } catch (const YAML::Exception& error) {
-      throw Error(fmt::format("line {}: not YAML: {}", error.mark.line + 1, error.msg));
-    }
+    PoseTable table = is_yaml ? table_in_yaml(text) : table_in_lines(text, columns);
     throw_if(table.rows.empty(), "no poses: expected a pose a line, with 6, 7, 12 or 16 numbers");
     check_names(table);
     return table;

@@ -66,17 +66,7 @@ std::vector<RigSetting> read_rig(const std::filesystem::path& file) {
 }
 
 std::vector<RigSetting> rig_from(const std::string& text, const std::string& name) {
-  return naming(name, [&] {
-    try {
-      return settings_in(yaml_document(text));
-    } catch (const YAML::Exception& exception) {
-      // The likely mistake: a colon that YAML takes for a nested map.
-      const bool colon = exception.msg == YAML::ErrorMsg::MAP_VALUE;
-      refuse(exception.mark,
-             "not YAML: " + exception.msg +
-                 (colon ? "; quote values that end in a colon, e.g. source: 'aravis:'" : ""));
-    }
-  });
+  return naming(name, [&] { return settings_in(yaml_document(text)); });
 }
 
 }  // namespace slipstream

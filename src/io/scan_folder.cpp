@@ -215,12 +215,6 @@ ScanFiles files_from(const YamlMap& map, const fs::path& folder) {
   return scan;
 }
 
-YAML::Node parsed(const std::string& text) try {
-  return yaml_document(text);
-} catch (const YAML::Exception& exception) {
-  throw Error(fmt::format("line {}: not YAML: {}", exception.mark.line + 1, exception.msg));
-}
-
 /// Appends the order of one cycle of a strategy whose code, or whose sinusoids, come first.
 void add_order_by_kind(bool code_first, const Strategy& strategy, std::vector<int>& order) {
   const int patterns = frame_count(strategy), begin = static_cast<int>(order.size());
@@ -360,9 +354,8 @@ ScanFiles read_scan_files(const fs::path& file) {
 ScanFiles scan_files_from(const std::string& text, const std::string& name,
                           const fs::path& folder) {
   return naming(name, [&] {
-    const YAML::Node root = parsed(text);
     try {
-      return files_from(YamlMap(root), folder);
+      return files_from(YamlMap(yaml_document(text)), folder);
     } catch (const YAML::Exception& exception) {
       throw Error(exception.msg);
     }

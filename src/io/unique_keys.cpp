@@ -1,5 +1,6 @@
 #include "io/unique_keys.h"
 
+#include <algorithm>
 #include <cctype>
 #include <sstream>
 
@@ -57,7 +58,7 @@ void add_key(std::set<std::string>& keys, const std::string& key, std::ptrdiff_t
   throw RepeatedKey(fmt::format("line {}: {} is set twice", line, key));
 }
 
-YAML::Node yaml_document(const std::string& text) {
+YAML::Node yaml_document(const std::string& text) try {
   if (const int line = line_of_second_document(text); line > 0) {
     throw RepeatedKey(fmt::format("line {}: a second YAML document begins", line));
   }
@@ -66,6 +67,12 @@ YAML::Node yaml_document(const std::string& text) {
   std::size_t left = text.size() + 1;  // an empty text is a node, too
   require_unique_keys(document, left);
   return document;
+} catch (const YAML::Exception& exception) {
+  // The likely mistake: a colon that YAML takes for a nested map.
+  const bool colon = exception.msg == YAML::ErrorMsg::MAP_VALUE;
+  throw Error(
+      fmt::format("line {}: not YAML: {}{}", std::max(exception.mark.line, 0) + 1, exception.msg,
+                  colon ? "; quote values that end in a colon, e.g. source: 'aravis:'" : ""));
 }
 
 }  // namespace slipstream

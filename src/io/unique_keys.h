@@ -17,9 +17,9 @@ struct RepeatedKey : Error {
 /// Throws RepeatedKey, "line N: KEY is set twice", if `keys` has the key; otherwise adds it.
 void add_key(std::set<std::string>& keys, const std::string& key, std::ptrdiff_t line);
 
-/// The only document of a YAML text. Throws RepeatedKey if any of its maps repeats a key or another
-/// document follows, YAML::Exception if the text is not YAML or expands by aliases to more values
-/// than it has bytes.
+/// The only document of a YAML text. Throws Error with the line, RepeatedKey if any of its maps
+/// repeats a key or another document follows; also if the text is not YAML or expands by aliases to
+/// more values than it has bytes.
 YAML::Node yaml_document(const std::string& text);
 
 }  // namespace slipstream

@@ -16,12 +16,8 @@
 #include "base/thread_priority.h"
 #include "base/throw_if-inl.h"
 #include "live/cloud_follower.h"
-#include "publish/genicam_sink.h"
 #include "publish/mcap.h"
-#include "publish/ros2_sink.h"
 #include "publish/sink_kind.h"
-#include "publish/tcp_sink.h"
-#include "publish/web_sink.h"
 
 namespace slipstream {
 

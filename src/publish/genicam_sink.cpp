@@ -1,5 +1,3 @@
-#include "publish/genicam_sink.h"
-
 #include <algorithm>
 #include <array>
 #include <atomic>

@@ -1,5 +1,3 @@
-#include "publish/ros2_sink.h"
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>

@@ -1,16 +1,11 @@
-#include "publish/tcp_sink.h"
-
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <exception>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <utility>  // missing from Boost 1.74
 #include <vector>
 
@@ -18,11 +13,11 @@
 #include <boost/beast/core/tcp_stream.hpp>
 #include <nlohmann/json.hpp>
 
-#include "base/thread_priority.h"
 #include "base/throw_if-inl.h"
+#include "publish/serving_sink.h"
+#include "publish/sink_kind.h"
 #include "publish/web_access.h"
 #include "slipstream/cloud_file.h"
-#include "slipstream/cloud_sink.h"
 
 namespace slipstream {
 namespace {
@@ -62,40 +57,16 @@ bool is_received_after(const LiveCloud& cloud, steady_clock::time_point time) {
 
 class Controller;
 
-/// The server and its clients. Everything except `put` and `finish` runs in the serving thread.
-class TcpSink final : public CloudSink {
+class TcpSink final : public ServingSink<Controller> {
  public:
   TcpSink(const tcp::endpoint& endpoint, PublishedRun run);
-  ~TcpSink() override { TcpSink::finish(); }
-
-  void put(const Pooled<LiveCloud>& cloud, bool /*alone*/) override {
-    {
-      const std::lock_guard lock(mutex_);
-      newest_ = cloud;
-      ++count_;
-    }
-    if (anybody_waits_.exchange(false)) asio::post(io_, [this] { serve_waiting(); });
-  }
-
-  void finish() override {
-    io_.stop();
-    if (thread_.joinable()) thread_.join();
-    const std::lock_guard lock(mutex_);
-    newest_ = {};
-  }
-
-  using CloudSink::tell;
+  ~TcpSink() override { finish(); }
 
   /// A copy of the newest cloud if its frames were received after that time; otherwise null.
   std::shared_ptr<const TakenScan> scan_since(steady_clock::time_point time) {
-    anybody_waits_ = true;  // set first: a cloud may come meanwhile
-
-    Pooled<LiveCloud> cloud;
-    {
-      const std::lock_guard lock(mutex_);
-      if (newest_ && is_received_after(*newest_, time)) cloud = newest_;
-    }
-    if (!cloud) return nullptr;
+    wait_for_cloud();
+    const Pooled<LiveCloud> cloud = newest().first;
+    if (!cloud || !is_received_after(*cloud, time)) return nullptr;
 
     // Controllers that wait for the same cloud share its copy.
     if (!taken_ || taken_->newest.host_time != cloud->newest.host_time) {
@@ -126,29 +97,10 @@ class TcpSink final : public CloudSink {
 
   [[nodiscard]] bool has_points() const { return run_.has_points; }
 
-  std::vector<Controller*> controllers{};
-
  private:
-  void accept();
-  void serve_waiting();
+  void take_client(tcp::socket socket) override;
 
-  void serve() {
-    let_others_go_first();
-    while (true) {
-      try {
-        io_.run();
-        return;
-      } catch (const std::exception& error) {  // ends only this client
-        tell(error.what());
-      }
-    }
-  }
-
-  json status() {
-    const std::string trouble = run_.trouble();
-    const std::lock_guard lock(mutex_);
-    return {{"ok", true}, {"trouble", trouble}, {"clouds", count_}};
-  }
+  json status() { return {{"ok", true}, {"trouble", run_.trouble()}, {"clouds", newest().second}}; }
 
   /// The shape that `track` follows.
   json pose() {
@@ -165,29 +117,21 @@ class TcpSink final : public CloudSink {
   }
 
   const PublishedRun run_;
-
-  std::mutex mutex_;  ///< guards the two members below
-  Pooled<LiveCloud> newest_;
-  std::uint64_t count_ = 0;
-
-  std::atomic<bool> anybody_waits_ = false;
   std::shared_ptr<const TakenScan> taken_;  ///< the last copy
-
-  asio::io_context io_{1};
-  tcp::acceptor acceptor_{io_};
-  asio::steady_timer pause_{io_};
-  std::thread thread_;
 };
 
 /// One client, whose requests are answered one after the other.
 class Controller : public std::enable_shared_from_this<Controller> {
  public:
   Controller(tcp::socket socket, TcpSink& sink)
-      : stream_(std::move(socket)), patience_(stream_.get_executor()), sink_(sink) {
-    sink_.controllers.push_back(this);
+      : stream_(std::move(socket)),
+        patience_(stream_.get_executor()),
+        sink_(sink),
+        clients_(sink.clients) {
+    clients_.push_back(this);
   }
 
-  ~Controller() { std::erase(sink_.controllers, this); }
+  ~Controller() { std::erase(clients_, this); }
 
   [[nodiscard]] steady_clock::time_point last_asked() const { return last_asked_; }
   void close() {
@@ -204,7 +148,7 @@ class Controller : public std::enable_shared_from_this<Controller> {
   }
 
   /// Answers a waiting request if a cloud has come.
-  void look_for_scan() {
+  void look_for_cloud() {
     if (!waits_since_) return;
     const auto scan = sink_.scan_since(*waits_since_);
     if (!scan) return;
@@ -259,7 +203,7 @@ class Controller : public std::enable_shared_from_this<Controller> {
       self->waits_since_.reset();
       self->send(refused(fmt::format("no cloud within {:g} s", wait)));
     });
-    look_for_scan();
+    look_for_cloud();
   }
 
   void send(Answer answer) {
@@ -284,6 +228,7 @@ class Controller : public std::enable_shared_from_this<Controller> {
   boost::beast::tcp_stream stream_;
   asio::steady_timer patience_;
   TcpSink& sink_;
+  std::vector<Controller*>& clients_;  ///< for the destructor, which may run after the sink's
   std::string input_, answer_;
   json id_;
   bool ends_ = false;
@@ -292,45 +237,22 @@ class Controller : public std::enable_shared_from_this<Controller> {
   std::shared_ptr<const TakenScan> scan_;                ///< the last one asked for
 };
 
-TcpSink::TcpSink(const tcp::endpoint& endpoint, PublishedRun run) : run_(std::move(run)) {
+TcpSink::TcpSink(const tcp::endpoint& endpoint, PublishedRun run)
+    : ServingSink(endpoint, "tcp"), run_(std::move(run)) {
   const std::string host = endpoint.address().to_string();
-  try {
-    acceptor_ = tcp::acceptor(io_, endpoint);
-  } catch (const boost::system::system_error& error) {
-    throw WorldError(
-        fmt::format("`publish tcp:{}:{}`: {}", host, endpoint.port(), error.code().message()));
+  tell(fmt::format("tcp://{}:{}", endpoint.address().is_v6() ? "[" + host + "]" : host, port()));
+  begin();
+}
+
+void TcpSink::take_client(tcp::socket socket) {
+  // The one that has not asked for longest makes room.
+  if (clients.size() >= most_controllers) {
+    const auto silent = std::ranges::min_element(clients, {}, &Controller::last_asked);
+    (*silent)->close();
+    tell(fmt::format("at most {} controllers at a time; the most silent one is disconnected",
+                     most_controllers));
   }
-
-  tell(fmt::format("tcp://{}:{}", endpoint.address().is_v6() ? "[" + host + "]" : host,
-                   acceptor_.local_endpoint().port()));
-  accept();
-  thread_ = std::thread([this] { serve(); });
-}
-
-void TcpSink::accept() {
-  acceptor_.async_accept([this](Failure failure, tcp::socket socket) {
-    if (failure) {  // out of file descriptors
-      tell(failure.message());
-      pause_.expires_after(100ms);
-      pause_.async_wait([this](Failure) { accept(); });
-      return;
-    }
-
-    // The one that has not asked for longest makes room.
-    accept();
-    if (controllers.size() >= most_controllers) {
-      const auto silent = std::ranges::min_element(controllers, {}, &Controller::last_asked);
-      (*silent)->close();
-      tell(fmt::format("at most {} controllers at a time; the most silent one is disconnected",
-                       most_controllers));
-    }
-    socket.set_option(tcp::no_delay(true), failure);
-    std::make_shared<Controller>(std::move(socket), *this)->read_request();
-  });
-}
-
-void TcpSink::serve_waiting() {
-  for (Controller* const controller : controllers) controller->look_for_scan();
+  std::make_shared<Controller>(std::move(socket), *this)->read_request();
 }
 
 }  // namespace

@@ -1,17 +1,12 @@
-#include "publish/web_sink.h"
-
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <exception>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <utility>  // missing from Boost 1.74
 #include <vector>
 
@@ -22,12 +17,11 @@
 #include <nlohmann/json.hpp>
 
 #include "base/printable.h"
-#include "base/thread_priority.h"
 #include "base/throw_if-inl.h"
+#include "publish/serving_sink.h"
 #include "publish/sink_kind.h"
 #include "publish/web_access.h"
 #include "publish/web_content.h"
-#include "slipstream/cloud_sink.h"
 #include "slipstream/image.h"
 
 namespace slipstream {
@@ -58,29 +52,10 @@ std::string_view text_of(beast::string_view text) {
 
 class Connection;
 
-/// The server and its clients. Everything except `put` and `finish` runs in the serving thread.
-class WebSink final : public CloudSink {
+class WebSink final : public ServingSink<Connection> {
  public:
   WebSink(const tcp::endpoint& endpoint, PublishedRun run);
-  ~WebSink() override { WebSink::finish(); }
-
-  void put(const Pooled<LiveCloud>& cloud, bool /*alone*/) override {
-    {
-      const std::lock_guard lock(mutex_);
-      newest_ = cloud;
-      ++count_;
-    }
-    if (anybody_waits_.exchange(false)) asio::post(io_, [this] { serve_waiting(); });
-  }
-
-  void finish() override {
-    io_.stop();
-    if (thread_.joinable()) thread_.join();
-    const std::lock_guard lock(mutex_);
-    newest_ = {};
-  }
-
-  using CloudSink::tell;
+  ~WebSink() override { finish(); }
 
   /// Why the request is refused; empty for the page itself and authorised clients.
   [[nodiscard]] std::string refusal(const Request& request) const {
@@ -133,16 +108,14 @@ class WebSink final : public CloudSink {
     // Each kind of message, with the phase or without, is built once for all clients.
     Sent& sent = sent_[with_phase ? 1 : 0];
 
-    std::unique_lock lock(mutex_);
-    const bool is_new = newest_ && count_ != sent.count;
+    const auto [cloud, count] = newest();
+    const bool is_new = cloud && count != sent.count;
     // A cloud that comes too soon is replaced by the one after it, if the run goes on.
     if (is_new && now < sent.next) serve_waiting_at(sent.next + between_clouds);
     if (is_new && now >= sent.next) {
-      const Pooled<LiveCloud> cloud = newest_;
-      sent.count = count_;
+      sent.count = count;
       // Tolerates jitter of clouds.
       sent.next = std::max(sent.next + between_clouds, now + between_clouds / 2);
-      lock.unlock();
 
       const bool has_phase = with_phase && run_.phase;
       sent.bytes = std::make_shared<const std::string>(
@@ -153,31 +126,14 @@ class WebSink final : public CloudSink {
     return {sent.bytes, sent.count};
   }
 
-  void wait_for_cloud() { anybody_waits_ = true; }
-
-  std::vector<Connection*> connections{};  ///< oldest first
-
  private:
-  void accept();
+  void take_client(tcp::socket socket) override;
   void make_room(const asio::ip::address& address);
-  void serve_waiting();
   void serve_waiting_at(std::chrono::steady_clock::time_point time) {
     next_cloud_.expires_at(time);
     next_cloud_.async_wait([this](Failure failure) {
       if (!failure) serve_waiting();
     });
-  }
-
-  void serve() {
-    let_others_go_first();
-    while (true) {
-      try {
-        io_.run();
-        return;
-      } catch (const std::exception& error) {  // ends only this client
-        tell(error.what());
-      }
-    }
   }
 
   static void say(WebResponse& response, http::status status, std::string body,
@@ -247,11 +203,6 @@ class WebSink final : public CloudSink {
   const std::string token_;  ///< empty if only this machine reaches the page
   const std::string rays_;
 
-  std::mutex mutex_;  ///< guards the two members below
-  Pooled<LiveCloud> newest_;
-  std::uint64_t count_ = 0;
-
-  std::atomic<bool> anybody_waits_ = false;
   struct Sent {
     SharedBytes bytes{};
     std::uint64_t count = 0;                       ///< the cloud's number
@@ -262,10 +213,7 @@ class WebSink final : public CloudSink {
   std::chrono::steady_clock::time_point looked_at_{};
   std::string settings_;  ///< at that time
 
-  asio::io_context io_{1};
-  tcp::acceptor acceptor_{io_};
-  asio::steady_timer pause_{io_}, next_cloud_{io_};
-  std::thread thread_;
+  asio::steady_timer next_cloud_{io_};
 };
 
 /// One client: sequential requests, or a page that requests clouds.
@@ -273,11 +221,15 @@ class Connection : public std::enable_shared_from_this<Connection> {
  public:
   /// `full`: answers one request, for /health.
   Connection(tcp::socket socket, const asio::ip::address& address, WebSink& sink, bool full)
-      : stream_(std::move(socket)), address_(address), sink_(sink), full_(full) {
-    sink_.connections.push_back(this);
+      : stream_(std::move(socket)),
+        address_(address),
+        sink_(sink),
+        clients_(sink.clients),
+        full_(full) {
+    clients_.push_back(this);
   }
 
-  ~Connection() { std::erase(sink_.connections, this); }
+  ~Connection() { std::erase(clients_, this); }
 
   /// Whether its last request was authorised, and it may send more.
   [[nodiscard]] bool is_known() const { return known_ && !full_; }
@@ -285,7 +237,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   [[nodiscard]] const asio::ip::address& address() const { return address_; }
   /// Ends it before it has sent an authorised request.
   void close() {
-    std::erase(sink_.connections, this);
+    std::erase(clients_, this);
     stream_.close();
   }
 
@@ -302,10 +254,9 @@ class Connection : public std::enable_shared_from_this<Connection> {
   }
 
   /// Sends the newest cloud if requested and new.
-  void send_cloud() {
+  void look_for_cloud() {
     if (!asked_ || sending_) return;
-    sink_.wait_for_cloud();  // set first: a request may arrive meanwhile
-
+    sink_.wait_for_cloud();
     auto [bytes, count] = sink_.newer_than(seen_, with_phase_);
     if (!bytes) return;
 
@@ -316,7 +267,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     page_->async_write(asio::buffer(*sending_),
                        [self = shared_from_this()](Failure failure, std::size_t) {
                          self->sending_.reset();
-                         if (!self->has_failed(failure)) self->send_cloud();
+                         if (!self->has_failed(failure)) self->look_for_cloud();
                        });
   }
 
@@ -374,7 +325,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
       }
 
       self->asked_ = true;
-      self->send_cloud();
+      self->look_for_cloud();
       self->read_wish();
     });
   }
@@ -382,6 +333,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   beast::tcp_stream stream_;
   const asio::ip::address address_;
   WebSink& sink_;
+  std::vector<Connection*>& clients_;  ///< for the destructor, which may run after the sink's
   const bool full_;
   bool known_ = false;
   beast::flat_buffer buffer_{2 * largest_header};
@@ -394,52 +346,32 @@ class Connection : public std::enable_shared_from_this<Connection> {
 };
 
 WebSink::WebSink(const tcp::endpoint& endpoint, PublishedRun run)
-    : host_(endpoint.address().to_string()),
+    : ServingSink(endpoint, "web"),
+      host_(endpoint.address().to_string()),
       run_(std::move(run)),
       token_(endpoint.address().is_loopback() ? "" : random_token()),
       rays_(run_.has_points ? web_rays(run_.camera) : "") {
-  try {
-    acceptor_ = tcp::acceptor(io_, endpoint);
-  } catch (const boost::system::system_error& error) {
-    throw WorldError(
-        fmt::format("`publish web:{}:{}`: {}", host_, endpoint.port(), error.code().message()));
-  }
-
   // The address to open. Other machines need this one's name, and the token.
   const std::string host = !token_.empty()              ? asio::ip::host_name()
                            : endpoint.address().is_v6() ? "[" + host_ + "]"
                                                         : host_;
-  tell(fmt::format("http://{}:{}/{}", host, acceptor_.local_endpoint().port(),
-                   token_.empty() ? "" : "?token=" + token_));
-
-  accept();
-  thread_ = std::thread([this] { serve(); });
+  tell(fmt::format("http://{}:{}/{}", host, port(), token_.empty() ? "" : "?token=" + token_));
+  begin();
 }
 
-void WebSink::accept() {
-  acceptor_.async_accept([this](Failure failure, tcp::socket socket) {
-    if (failure) {  // out of file descriptors
-      tell(failure.message());
-      pause_.expires_after(100ms);
-      pause_.async_wait([this](Failure) { accept(); });
-      return;
-    }
+void WebSink::take_client(tcp::socket socket) {
+  Failure gone_already;
+  const auto address = socket.remote_endpoint(gone_already).address();
+  make_room(address);
 
-    // The next client may connect while this one is served.
-    accept();
-    const auto address = socket.remote_endpoint(failure).address();
-    make_room(address);
-    socket.set_option(tcp::no_delay(true), failure);
-
-    const bool full = connections.size() >= most_clients;
-    std::make_shared<Connection>(std::move(socket), address, *this, full)->read_request();
-  });
+  const bool full = clients.size() >= most_clients;
+  std::make_shared<Connection>(std::move(socket), address, *this, full)->read_request();
 }
 
 /// Closes the oldest unknown client if there are too many, of this address or altogether.
 void WebSink::make_room(const asio::ip::address& address) {
   std::vector<Connection*> unknown, of_address;
-  for (Connection* const connection : connections) {
+  for (Connection* const connection : clients) {
     if (connection->is_known()) continue;
     unknown.push_back(connection);
     if (connection->address() == address) of_address.push_back(connection);
@@ -447,13 +379,9 @@ void WebSink::make_room(const asio::ip::address& address) {
 
   if (of_address.size() >= most_unknown) {
     of_address.front()->close();
-  } else if (connections.size() >= most_clients && !unknown.empty()) {
+  } else if (clients.size() >= most_clients && !unknown.empty()) {
     unknown.front()->close();
   }
-}
-
-void WebSink::serve_waiting() {
-  for (Connection* const connection : connections) connection->send_cloud();
 }
 
 }  // namespace

@@ -126,6 +126,12 @@ void set_backend(ReconstructSettings& settings, std::string_view name) {
   throw Error(fmt::format("unknown backend '{}'; choose {}", name, backend_forms));
 }
 
+void keep_all_points(ReconstructSettings& settings) {
+  settings.clean = CleanSettings::none();
+  settings.nearest = settings.nearest.value_or(0);
+  settings.farthest = settings.farthest.value_or(infinity);
+}
+
 DepthRange depth_range(const EngineSetup& setup) {
   const auto& [scanner, sequence, settings] = setup;
 

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "base/numbers.h"
+#include "base/srgb.h"
 #include "base/throw_if-inl.h"
 
 namespace slipstream {
@@ -126,9 +127,7 @@ bool leaves_noise(const LevelFit& fit) {
 }  // namespace
 
 ResponseCurve srgb_curve() {
-  return through_points_of([](double value) {
-    return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
-  });
+  return through_points_of(linear_of_srgb);
 }
 
 ResponseCurve logistic_curve(double slope, double centre) {

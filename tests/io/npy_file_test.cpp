@@ -49,7 +49,7 @@ TEST(NpyFile, ReadsWhatNumPyWrites) {
   refused("(1, 2)", "(1, 3)", "its shape requires 12");
   refused("(1, 2), }", "(0, 2), }", "0 pixels");
   refused("NUMPY\x01", "NUMPY\x03", "not a NumPy file");
-  refused("\x76", "\x77", "rows x columns");
+  refused("\x76", "\x77", "its shape requires 8");
   write_file(path, text.substr(0, 60));
   expect_error([&] { (void)read_map(path); }, {"not a complete NumPy file"});
 }

@@ -33,9 +33,10 @@ enum class Validity : std::uint8_t {
   small_component,  ///< connected to too few others
   outside_region,   ///< outside the requested box or outline
   moved,            ///< changed during capture, other than by uniform motion of one surface
+  reflected,        ///< lit by other surfaces too, see CleanSettings::reflection
 };
 
-inline constexpr std::size_t validity_count = 13;
+inline constexpr std::size_t validity_count = 14;
 
 /// Number of pixels for each Validity, in its order.
 using ValidityCounts = std::array<std::size_t, validity_count>;

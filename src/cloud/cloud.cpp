@@ -18,19 +18,13 @@ namespace slipstream {
 namespace {
 
 constexpr std::array<std::string_view, validity_count> validity_names{
-    "valid",
-    "too dark",
-    "saturated",
-    "doubtful fringe order",
-    "no point",
-    "outside the projector's field",
-    "out of range",
-    "low trust",
-    "mixed pixel",
-    "outlier",
-    "small component",
-    "outside the region",
-    "moved"};
+    "valid",           "too dark",
+    "saturated",       "doubtful fringe order",
+    "no point",        "outside the projector's field",
+    "out of range",    "low trust",
+    "mixed pixel",     "outlier",
+    "small component", "outside the region",
+    "moved",           "lit by other surfaces"};
 
 /// Moves the standard deviations of a point: noise moves it along its ray, which has this direction
 /// in the new frame.

@@ -68,7 +68,7 @@ void write_files(const ReconstructFlags& flags, const ReconstructedScan& scan) {
   if (normals) thin(normals->x, normals->y, normals->z);
   if (uncertainty) {
     thin(uncertainty->coordinate, uncertainty->x, uncertainty->y, uncertainty->z,
-         uncertainty->z_of_noise);
+         uncertainty->z_of_noise, uncertainty->z_systematic);
   }
 
   std::optional<Cloud> coarse;

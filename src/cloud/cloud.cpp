@@ -34,6 +34,9 @@ void turn_sigma(Uncertainty& uncertainty, int column, int row, const Eigen::Vect
   const double along = Eigen::Vector3d(x, y, z).norm();
   const Eigen::Vector3f turned = (along * direction.normalized()).cwiseAbs().cast<float>();
 
+  // Other errors along the ray turn as it does.
+  if (!uncertainty.z_systematic.empty()) uncertainty.z_systematic(column, row) *= turned.z() / z;
+
   x = turned.x();
   y = turned.y();
   z = turned.z();

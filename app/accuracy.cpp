@@ -240,8 +240,18 @@ struct Test {
   Rehearsal rehearsal;
   std::string subject;
   Facts facts{};               ///< about scanner and patterns
+  Facts budget{};              ///< see AccuracyReport; empty without a report
   bool exact_scanner = false;  ///< the virtual world's own
 };
+
+/// The error of a scan's depths by its sources.
+Facts budget_of(Scan scan, const CloudFlags& flags, const std::string& name) {
+  ScanJobSettings settings = job_settings(flags);
+  settings.uncertainty = true;
+  settings.keep_refused = true;  // the test itself refuses it
+  const ScanResult result = ScanJob(settings)(std::move(scan), name);
+  return facts_of(*result.budget);
+}
 
 Test rehearsed(const VerifyFlags& flags) {
   VirtualFlags devices = flags.devices;
@@ -261,22 +271,28 @@ Test rehearsed(const VerifyFlags& flags) {
             .exact_scanner = !flags.calibrated};
   add_scanner(test.facts, calibrated, flags.calibrated.value_or(""));
   test.facts.emplace_back("patterns", label_of(sequence.strategy));
+
+  if (flags.report) {
+    const VirtualScan board =
+        take_scan(world.scanner, world.scene, pattern_set(sequence), world.photometry);
+    test.budget = budget_of({.frames = board.frames, .sequence = sequence, .scanner = calibrated},
+                            flags.input, "a board");
+  }
   return test;
 }
 
-/// About the scanner and the patterns of a scan; empty for a cloud.
-Facts facts_of_scan(const std::string& path, const CloudFlags& flags, Output& output) {
-  if (is_cloud_file(path)) return {};
+/// Sets the facts about the scanner and the patterns of a scan, and its budget. Ignores a cloud.
+void set_facts(const std::string& path, const CloudFlags& flags, Test& test, Output& output) {
+  if (is_cloud_file(path)) return;
 
   Output held = output.held();  // its warnings are printed when the scan is reconstructed
-  const Scan scan = load_checkable(path, flags, false, held);
-  Facts facts;
+  Scan scan = load_checkable(path, flags, false, held);
   if (scan.scanner) {
-    add_scanner(facts, *scan.scanner,
+    add_scanner(test.facts, *scan.scanner,
                 flags.scanner.value_or((fs::path(path) / "scanner.yaml").string()));
   }
-  facts.emplace_back("patterns", label_of(scan.sequence.strategy));
-  return facts;
+  test.facts.emplace_back("patterns", label_of(scan.sequence.strategy));
+  test.budget = budget_of(std::move(scan), flags, path);
 }
 
 Test of_artefacts(const VerifyFlags& flags, Output& output) {
@@ -289,8 +305,10 @@ Test of_artefacts(const VerifyFlags& flags, Output& output) {
   Test test{.rehearsal = {}, .subject = "Artefacts of " + *flags.artefacts};
   if (flags.report) {
     files.add_output_folder(*flags.report);
-    for (const auto* scans : {&artefacts.repeated, &artefacts.planes, &artefacts.spheres}) {
-      if (!scans->empty()) test.facts = facts_of_scan(scans->front(), flags.input, output);
+    for (const auto* scans : {&artefacts.spheres, &artefacts.planes, &artefacts.repeated}) {
+      if (scans->empty()) continue;
+      set_facts(scans->front(), flags.input, test, output);
+      break;
     }
   }
 
@@ -336,7 +354,7 @@ void verify_accuracy(const VerifyFlags& flags, Output& output) {
   Facts facts = facts_of_run(output);
   facts.emplace_back("subject", test.subject);
   facts.insert(facts.end(), test.facts.begin(), test.facts.end());
-  write_accuracy_report(*flags.report, {artefacts, accuracy, figures, verdict, facts});
+  write_accuracy_report(*flags.report, {artefacts, accuracy, figures, verdict, facts, test.budget});
   output.document["report"] = *flags.report;
   output.say("the report is {}/report.html", *flags.report);
 }

@@ -68,7 +68,7 @@ void write_files(const ReconstructFlags& flags, const ReconstructedScan& scan) {
   if (normals) thin(normals->x, normals->y, normals->z);
   if (uncertainty) {
     thin(uncertainty->coordinate, uncertainty->x, uncertainty->y, uncertainty->z,
-         uncertainty->z_of_noise);
+         uncertainty->z_of_noise, uncertainty->z_systematic);
   }
 
   std::optional<Cloud> coarse;
@@ -138,6 +138,9 @@ void require_possible(const ReconstructFlags& flags, const CheckedJob& job, bool
   const Band& band = measuring_band(job.setup.sequence.strategy.layout());
   throw_if(!flags.files.motion.empty() && (two_cameras || !MotionMeasurement::is_possible(band)),
            "--motion-map needs one camera and extra frames: --motion 2");
+  throw_if(!flags.files.reflection.empty() &&
+               (two_cameras || !rejects_reflection(job.setup.settings.clean)),
+           "--reflection-map needs one camera, and --reflection or --local-reflection");
 }
 
 void reconstruct_scan(const CheckedJob& checked, ReconstructedScan& scan,

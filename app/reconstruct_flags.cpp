@@ -33,6 +33,10 @@ void add_output_flags(CLI::App& command, ReconstructFlags& flags) {
   group.add_output("--motion-map", files.motion,
                    "phase change from frame to frame (--motion), rad: .tiff");
 
+  group.add_output("--reflection-map", files.reflection,
+                   "error that light from other surfaces may cause (--reflection), standard "
+                   "deviations by noise: .tiff");
+
   group.add_output(
       "--preview", files.preview,
       "picture of the depth with a scale; without a scanner, of modulation and phase: .png");

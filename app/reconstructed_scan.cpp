@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "app/process.h"
+#include "app/report_facts.h"
 #include "base/numbers.h"
 #include "base/stopwatch.h"
 #include "check/map_check.h"
@@ -227,6 +228,8 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
       "warnings", scan.warnings, "findings", result.checked.findings, "repairs",
       result.checked.repairs, "seconds", seconds);
 
+  if (result.budget) document["budget"] = json_of(*result.budget);
+
   // Only --anyway reconstructs a refused scan.
   if (any_wrong(result.checked.findings)) document["doubted"] = true;
   return document;
@@ -286,6 +289,11 @@ void tell(const ReconstructedScan& scan, Output& output) {
   if (result.guard) tell_guard(*result.guard, "  ", output);
   if (scan.median_sigma) {
     output.say("  uncertainty of depth: median sigma {:.4g} mm", *scan.median_sigma);
+  }
+  if (result.budget) {
+    for (const auto& [source, value] : facts_of(*result.budget)) {
+      output.say("    {:<13} {}", source, value);
+    }
   }
 
   // Time of each step, and the files.

@@ -1,12 +1,15 @@
 #include "app/report_facts.h"
 
 #include <chrono>
+#include <cmath>
+#include <cstddef>
 #include <ctime>
 #include <string>
 
 #include <fmt/chrono.h>
 
 #include "io/file.h"
+#include "slipstream/scan_job.h"
 #include "slipstream/scanner.h"
 
 namespace slipstream::app {
@@ -33,6 +36,31 @@ void add_scanner(Facts& facts, const Scanner& scanner, const fs::path& file) {
   if (scanner.calibration_rms > 0) {
     facts.emplace_back("reprojection error", fmt::format("{:.3f} px", scanner.calibration_rms));
   }
+}
+
+Facts facts_of(const ErrorBudget& budget) {
+  constexpr int longest = 20;  // letters of a bar
+  const double total = budget.total();
+
+  const auto row = [&](double depth, const std::string& found) {
+    const double share = total > 0 ? depth / total : 0;
+    const std::string bar(static_cast<std::size_t>(std::lround(longest * share)), '#');
+    return fmt::format("{:.4f} mm {:{}} {}", depth, bar, longest, found);
+  };
+
+  Facts facts;
+  for (const auto& [name, depth, found] : budget.sources) {
+    facts.emplace_back(name, depth ? row(*depth, found) : "unknown: " + found);
+  }
+  facts.emplace_back("total", row(total, "root of the sum of squares"));
+  return facts;
+}
+
+nlohmann::json json_of(const ErrorBudget& budget) {
+  const auto sources = as_json(budget.sources, [](const ErrorSource& source) {
+    return described("source", source.name, "mm", source.depth, "found", source.found);
+  });
+  return described("total_mm", budget.total(), "sources", sources);
 }
 
 }  // namespace slipstream::app

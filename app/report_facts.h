@@ -7,6 +7,7 @@
 #include "base/page.h"
 
 namespace slipstream {
+struct ErrorBudget;
 struct Scanner;
 }  // namespace slipstream
 
@@ -18,5 +19,11 @@ Facts facts_of_run(const Output& output);
 /// Adds the scanner's file with size and CRC-32, if it is one, the sizes of its pictures, and how
 /// it was calibrated.
 void add_scanner(Facts& facts, const Scanner& scanner, const std::filesystem::path& file);
+
+/// An error budget, a row for each source and the total: its size, a bar and how it was found.
+Facts facts_of(const ErrorBudget& budget);
+
+/// In JSON: `total_mm`, and `sources` with `source`, `mm` and `found`.
+nlohmann::json json_of(const ErrorBudget& budget);
 
 }  // namespace slipstream::app

@@ -38,6 +38,13 @@ struct CleanSettings {
   /// rows and columns are connected, but not across a depth edge. 0 keeps all.
   int smallest_component = 200;
 
+  /// Largest error of a point's coordinate that light from other surfaces, or within its own, may
+  /// cause, in standard deviations by noise; above it the point is `reflected`. 0: off. Only an
+  /// Engine finds such points, by patterns with a coarse and a fine band. `reflection` judges by
+  /// the picture around a pixel, and removes thin things before a surface that is lit so;
+  /// `local_reflection` judges by the pixel's own surface, and keeps thin wires.
+  double reflection = 0, local_reflection = 0;
+
   std::optional<PointBox> box{};  ///< points outside are `outside_region`
   /// Pose between the camera's frame and the box's, in either direction; null: the camera's.
   std::shared_ptr<const FramePose> box_frame{};
@@ -81,6 +88,18 @@ struct CleanSettings {
            .live = {"minimum pixels of a connected piece", "pixels", 0, 1e6}},
           self.smallest_component);
 
+    visit({.name = "reflection",
+           .option = "reflection",
+           .help = "largest error that light from other surfaces may cause, standard deviations by "
+                   "noise, as 5; by the picture around a pixel",
+           .least = 0},
+          self.reflection);
+    visit({.name = "local_reflection",
+           .option = "local-reflection",
+           .help = "the same by the pixel's own surface, which keeps thin wires",
+           .least = 0},
+          self.local_reflection);
+
     visit({"box", "box", "keep only points inside, mm: minimum x,y,z and maximum x,y,z"}, self.box);
     visit({"outline", "outline",
            "keep only camera pixels inside x,y,x,y: two corners of a rectangle, or a polygon"},
@@ -96,6 +115,11 @@ struct CleanSettings {
 
   friend bool operator==(const CleanSettings&, const CleanSettings&) = default;
 };
+
+/// Whether they reject points that other surfaces light.
+inline bool rejects_reflection(const CleanSettings& settings) {
+  return settings.reflection > 0 || settings.local_reflection > 0;
+}
 
 /// Throws Error for a setting out of range.
 void require_valid(const CleanSettings& settings);

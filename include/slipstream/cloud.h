@@ -33,9 +33,10 @@ enum class Validity : std::uint8_t {
   small_component,  ///< connected to too few others
   outside_region,   ///< outside the requested box or outline
   moved,            ///< changed during capture, other than by uniform motion of one surface
+  reflected,        ///< lit by other surfaces too, see CleanSettings::reflection
 };
 
-inline constexpr std::size_t validity_count = 13;
+inline constexpr std::size_t validity_count = 14;
 
 /// Number of pixels for each Validity, in its order.
 using ValidityCounts = std::array<std::size_t, validity_count>;
@@ -157,6 +158,9 @@ struct Uncertainty {
   Image<float> coordinate;  ///< of the projector coordinate, fields
   Image<float> x, y, z;     ///< mm
   Image<float> z_of_noise;  ///< of depth, mm, by noise alone
+  /// Of depth, mm, by errors that repeat from scan to scan, such as of the calibration, which the
+  /// other members leave out; may be empty. See ErrorBudget.
+  Image<float> z_systematic{};
 
  private:
   static constexpr float nan = std::numeric_limits<float>::quiet_NaN();

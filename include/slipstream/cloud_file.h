@@ -30,13 +30,14 @@ void require_cloud_ending(const std::filesystem::path& path);
 /// in mm, 32-bit float. The header names their frame and, if it is not the camera's, has the
 /// camera's place there; read_cloud reads both:
 ///   .ply  binary little-endian PLY: x y z intensity [nx ny nz]
-///         [sigma_coordinate sigma_x sigma_y sigma_z] red green blue, the valid points; the
-///         intensity is 64-bit float, the colours are sRGB, or the intensity in 8 bits;
+///         [sigma_coordinate sigma_x sigma_y sigma_z [systematic_z]] red green blue, the valid
+///         points; the intensity is 64-bit float, the colours are sRGB, or the intensity in 8 bits;
 ///   .pcd  binary PCD 0.7, organised: x y z intensity [normal_x normal_y normal_z]
-///         [sigma_coordinate sigma_x sigma_y sigma_z] [rgb] of every pixel of the picture, NaN
-///         without a point; rgb is a float whose bytes are blue, green, red and 0, as in PCL;
-///   .xyz  text: the columns of .ply without colours, one valid point a line; no remarks, since it
-///         has no header.
+///         [sigma_coordinate sigma_x sigma_y sigma_z [systematic_z]] [rgb] of every pixel of the
+///         picture, NaN without a point; rgb is a float whose bytes are blue, green, red and 0, as
+///         in PCL;
+///   .xyz  text: the columns of .ply without systematic_z and colours, one valid point a line; no
+///         remarks, since it has no header.
 /// Throws Error for another ending, WorldError if it cannot be written; never leaves a partial
 /// file.
 void write_cloud(const std::filesystem::path& path, const Cloud& cloud,
@@ -94,7 +95,7 @@ StoredCloud read_cloud(const std::filesystem::path& path);
 /// A point as stored; missing values are 0.
 struct StoredPoint {
   double x = 0, y = 0, z = 0, intensity = 0;
-  double sigma_coordinate = 0, sigma_x = 0, sigma_y = 0, sigma_z = 0;
+  double sigma_coordinate = 0, sigma_x = 0, sigma_y = 0, sigma_z = 0, systematic_z = 0;
   std::array<float, 3> colour{};  ///< red, green and blue, sRGB, 0 to 255
 };
 
@@ -103,7 +104,7 @@ struct StoredPoints {
   std::vector<StoredPoint> points{};
   /// Faces of .ply and .obj, split into triangles; the vertex indices are not validated.
   std::vector<std::array<int, 3>> triangles{};
-  bool has_sigma = false;
+  bool has_sigma = false, has_systematic = false;
   bool has_colour = false;  ///< red, green and blue differ in some point
   Size organised{};         ///< columns and rows; 0 if not organised
   /// As Cloud::frame, if the file names a frame; null otherwise.

@@ -181,7 +181,8 @@ class Engine {
 
   /// Computes the requested outputs with the chosen engine or, failing that, the next in this
   /// order: GPU, fused pass, reference engine. In windows longer than a cycle, rejects pixels whose
-  /// frames differ by more than noise and uniform motion explain; then cleans the cloud. Returns
+  /// frames differ by more than noise and uniform motion explain; of clouds, if set, points that
+  /// other surfaces light; then cleans the cloud. Returns
   /// how many points cleaning removed, by reason. Throws Error for a wrong size or frame count.
   ValidityCounts run(const FrameViews& frames, const Outputs& outputs);
 
@@ -230,6 +231,7 @@ class Engine {
   void compute(const FrameViews& frames, const Outputs& outputs, const Image<float>* coarse);
   void compute_by_picture(const FrameViews& frames, const Outputs& outputs);
   void reject_moved(const FrameViews& frames, const Outputs& outputs);
+  void reject_reflected(const FrameViews& frames, const Outputs& outputs);
 
   struct Tables;
   struct Memory;

@@ -76,6 +76,9 @@ struct BasicMaps {
   /// For a window longer than a cycle: phase change per frame, rad; see MotionMeasurement.
   /// Otherwise empty.
   Image<Real> motion{};
+  /// If points lit by other surfaces are rejected: the error of the coordinate that such light may
+  /// cause, in standard deviations by noise; NaN without a point. Otherwise empty.
+  Image<Real> reflection{};
 };
 
 /// For display and writing.

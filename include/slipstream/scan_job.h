@@ -69,6 +69,21 @@ struct GuardResult {
 /// setup_for and Engine do.
 GuardResult compare_with_guard(const Scan& scan, const ReconstructSettings& settings = {});
 
+/// A source of error of a scan's points.
+struct ErrorSource {
+  std::string name;             ///< such as "noise"
+  std::optional<double> depth;  ///< RMS of its error of depth over the points, mm; nullopt: unknown
+  std::string found;            ///< how it was found, or what would show it
+};
+
+/// The sources of a scan's errors of depth, which count as independent.
+struct ErrorBudget {
+  std::vector<ErrorSource> sources{};
+
+  /// Root of the sum of squares, mm, of the known sources: unknown ones add to it.
+  [[nodiscard]] double total() const;
+};
+
 /// The results of one scan, in the first camera's picture and frame.
 struct ScanResult {
   Cloud cloud{};            ///< with ScanOutput::maps only the validity of its pixels
@@ -76,6 +91,7 @@ struct ScanResult {
   /// If wanted, or needed for the rest: with two cameras, both axes or uncertainty.
   Maps maps{};
   std::optional<Uncertainty> uncertainty{};
+  std::optional<ErrorBudget> budget{};      ///< with the uncertainty, of one camera
   std::optional<EpipolarCheck> epipolar{};  ///< with patterns along both axes
   std::optional<EpipolarCheck> guard{};     ///< with a guard
 

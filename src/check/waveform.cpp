@@ -162,4 +162,21 @@ std::optional<Waveform> waveform_of(const FrameModel& model, const JudgedScan& s
   return waveform;
 }
 
+std::optional<double> phase_error_left(const FrameViews& frames, const Sequence& sequence,
+                                       const PhotometricCalibration& photometry,
+                                       double least_modulation) {
+  // Frames computed from one picture have no waveform of their own.
+  if (sequence.strategy.is_spectral()) return std::nullopt;
+
+  const FrameModel model(sequence, photometry);
+  const CheckSettings settings{.minimum_modulation = least_modulation,
+                               .moving = measuring_band(model.layout()).cycle.has_value()};
+  ScanSamples samples(frames.size(), frames.count());
+  samples.take(frames, {.least_range = least_range(settings)});
+
+  const auto waveform = waveform_of(
+      model, {model, samples, sequence, nullptr, photometry, settings}, model.identity());
+  return waveform ? std::optional(waveform->phase_error) : std::nullopt;
+}
+
 }  // namespace slipstream

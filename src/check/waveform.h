@@ -30,6 +30,13 @@ struct Waveform {
 /// Whether all bands are runs of equal steps, four or more in the measuring one.
 bool can_show_waveform(const FrameModel& model);
 
+/// RMS error, rad, that the waveform of a scan's frames leaves in the measuring band's phase after
+/// correction for the response in `photometry`. nullopt if the frames cannot show it, or without
+/// lit pixels. `least_modulation`: grey levels of 255.
+std::optional<double> phase_error_left(const FrameViews& frames, const Sequence& sequence,
+                                       const PhotometricCalibration& photometry,
+                                       double least_modulation);
+
 /// By least squares over the samples. nullopt if the frames cannot show it, or of what moves.
 std::optional<Waveform> waveform_of(const FrameModel& model, const JudgedScan& scan,
                                     const FrameOrder& order);

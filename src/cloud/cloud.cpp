@@ -18,19 +18,13 @@ namespace slipstream {
 namespace {
 
 constexpr std::array<std::string_view, validity_count> validity_names{
-    "valid",
-    "too dark",
-    "saturated",
-    "doubtful fringe order",
-    "no point",
-    "outside the projector's field",
-    "out of range",
-    "low trust",
-    "mixed pixel",
-    "outlier",
-    "small component",
-    "outside the region",
-    "moved"};
+    "valid",           "too dark",
+    "saturated",       "doubtful fringe order",
+    "no point",        "outside the projector's field",
+    "out of range",    "low trust",
+    "mixed pixel",     "outlier",
+    "small component", "outside the region",
+    "moved",           "lit by other surfaces"};
 
 /// Moves the standard deviations of a point: noise moves it along its ray, which has this direction
 /// in the new frame.
@@ -39,6 +33,9 @@ void turn_sigma(Uncertainty& uncertainty, int column, int row, const Eigen::Vect
         &z = uncertainty.z(column, row);
   const double along = Eigen::Vector3d(x, y, z).norm();
   const Eigen::Vector3f turned = (along * direction.normalized()).cwiseAbs().cast<float>();
+
+  // Other errors along the ray turn as it does.
+  if (!uncertainty.z_systematic.empty()) uncertainty.z_systematic(column, row) *= turned.z() / z;
 
   x = turned.x();
   y = turned.y();

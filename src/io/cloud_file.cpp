@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <functional>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <optional>
 #include <span>
@@ -37,6 +38,8 @@ struct Extra {
   const Image<float>& values;
 };
 
+constexpr const char* systematic_name = "systematic_z";
+
 std::vector<Extra> extras_of(const CloudExtras& extras) {
   std::vector<Extra> all;
   if (const Normals* normals = extras.normals) {
@@ -50,6 +53,9 @@ std::vector<Extra> extras_of(const CloudExtras& extras) {
     all.push_back({"sigma_x", "sigma_x", sigma->x});
     all.push_back({"sigma_y", "sigma_y", sigma->y});
     all.push_back({"sigma_z", "sigma_z", sigma->z});
+    if (!sigma->z_systematic.empty()) {
+      all.push_back({systematic_name, systematic_name, sigma->z_systematic});
+    }
   }
 
   return all;
@@ -173,6 +179,8 @@ std::string xyz_file(const Cloud& cloud, const std::vector<Extra>& extras) {
                    cloud.y(column, row), cloud.z(column, row), cloud.intensity(column, row));
 
     for (const Extra& extra : extras) {
+      // Readers tell the columns by their number; other programs write files with one more.
+      if (std::string_view(extra.ply_name) == systematic_name) continue;
       fmt::format_to(std::back_inserter(file), " {:.6g}", extra.values(column, row));
     }
 
@@ -365,6 +373,10 @@ StoredCloud cloud_of(StoredPoints stored) {
                                    {&sigma.x, &StoredPoint::sigma_x},
                                    {&sigma.y, &StoredPoint::sigma_y},
                                    {&sigma.z, &StoredPoint::sigma_z}});
+    if (stored.has_systematic) {
+      sigma.z_systematic = Image<float>(size, std::numeric_limits<float>::quiet_NaN());
+      columns.emplace_back(&sigma.z_systematic, &StoredPoint::systematic_z);
+    }
   }
 
   if (stored.has_colour) cloud.colour = Image<Colour>(size);

@@ -67,7 +67,8 @@ Target target_of(const PointProperty& property) {
       {"sigma_coordinate", {&StoredPoint::sigma_coordinate}},
       {"sigma_x", {&StoredPoint::sigma_x}},
       {"sigma_y", {&StoredPoint::sigma_y}},
-      {"sigma_z", {&StoredPoint::sigma_z}}};
+      {"sigma_z", {&StoredPoint::sigma_z}},
+      {"systematic_z", {&StoredPoint::systematic_z}}};
 
   // A list or several numbers have no target.
   const auto found = targets.find(usual_name(property.name));
@@ -214,6 +215,7 @@ void read_element(const PointElement& element, NumberReader& reader, StoredPoint
   }
   stored.has_colour = any_colour(stored.points);
   stored.has_sigma |= !lacks(&StoredPoint::sigma_z);
+  stored.has_systematic |= !lacks(&StoredPoint::systematic_z);
 }
 
 }  // namespace slipstream

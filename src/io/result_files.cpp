@@ -36,7 +36,7 @@ struct NamedFile {
   Image<float> Maps::*map = nullptr;
 };
 
-constexpr std::array<NamedFile, 10> all_files{
+constexpr std::array<NamedFile, 11> all_files{
     {{"cloud", &ResultFiles::cloud},
      {"mesh", &ResultFiles::mesh},
      {"depth", &ResultFiles::depth},
@@ -46,6 +46,7 @@ constexpr std::array<NamedFile, 10> all_files{
      {"mean", &ResultFiles::mean, &Maps::mean},
      {"epipolar", &ResultFiles::epipolar, &Maps::epipolar_distance},
      {"motion", &ResultFiles::motion, &Maps::motion},
+     {"reflection", &ResultFiles::reflection, &Maps::reflection},
      {"preview", &ResultFiles::preview}}};
 
 void replace_all(std::string& path, std::string_view placeholder, std::string_view name) {
@@ -158,7 +159,8 @@ bool ResultFiles::only_maps() const {
 }
 
 bool ResultFiles::need_points() const {
-  return !(cloud.empty() && mesh.empty() && depth.empty() && epipolar.empty());
+  return !(cloud.empty() && mesh.empty() && depth.empty() && epipolar.empty() &&
+           reflection.empty());
 }
 
 std::string text_of(const ScanName& scan) {

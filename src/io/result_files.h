@@ -17,7 +17,7 @@ namespace slipstream {
 /// Output paths of a scan's results; empty: not written.
 struct ResultFiles {
   std::string cloud{}, mesh{}, depth{}, coordinate{}, phase{}, modulation{}, mean{}, epipolar{},
-      motion{}, preview{};
+      motion{}, reflection{}, preview{};
 
   /// The paths that are not empty, each with its member's name.
   [[nodiscard]] std::vector<std::pair<const char*, std::string>> named() const;
@@ -27,7 +27,7 @@ struct ResultFiles {
   [[nodiscard]] bool any_map() const;
   /// Whether only maps are written that need no scanner.
   [[nodiscard]] bool only_maps() const;
-  /// Whether any of them needs points: cloud, mesh, depth and epipolar distance.
+  /// Whether any of them needs points: cloud, mesh, depth, epipolar distance and reflection.
   [[nodiscard]] bool need_points() const;
 };
 

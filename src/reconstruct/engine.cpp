@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "base/throw_if-inl.h"
 #include "decode/frame_adapter.h"
 #include "decode/frame_motion.h"
 #include "decode/phase_decoder.h"
@@ -20,6 +21,7 @@
 #include "reconstruct/gpu/gpu_engine.h"
 #include "reconstruct/pipeline.h"
 #include "reconstruct/points.h"
+#include "reconstruct/reflection.h"
 #include "reconstruct/table_engine.h"
 #include "response/correction.h"
 #include "slipstream/frame_set.h"
@@ -98,6 +100,12 @@ struct Engine::Tables {
 
     const Band& band = measuring_band(complete.sequence.strategy.layout());
     if (MotionMeasurement::is_possible(band)) measure_motion.emplace(band);
+
+    throw_if(rejects_reflection(of.settings.clean) &&
+                 !shows_reflection(complete.sequence.strategy.layout()),
+             "{}: these patterns do not show light from other surfaces; those with one band of few "
+             "periods and one of many do, such as dual-frequency",
+             complete.sequence.strategy.name());
 
     // 2. The fused pass, unless the reference or the caller's own engine was chosen.
     const ReconstructSettings& settings = setup.settings;
@@ -194,6 +202,7 @@ struct Engine::Memory {
   FrameAdapter adapt;
 
   Image<float> modulation;
+  Maps maps;                   ///< from which light of other surfaces is found
   std::optional<Cloud> cloud;  ///< source of packed points; constructed when needed
 
   Image<float> coarse;  ///< coordinates with orders from the whole image
@@ -244,14 +253,18 @@ ValidityCounts Engine::run(const FrameViews& given, const Outputs& outputs) {
     made = {.cloud = &*memory.cloud};
   }
 
-  // Cleaning may need the modulation where it was not requested.
-  if (outputs.cloud != nullptr && outputs.maps == nullptr && memory.clean.wants_modulation()) {
+  // Cleaning may need maps or the modulation where they were not requested.
+  const bool without_maps = outputs.cloud != nullptr && outputs.maps == nullptr;
+  if (without_maps && rejects_reflection(setup().settings.clean)) {
+    made.maps = &memory.maps;
+  } else if (without_maps && memory.clean.wants_modulation()) {
     made.modulation = &memory.modulation;
   }
 
   // 2. Compute, and correct for motion and exposure.
   compute(frames, made, nullptr);
   reject_moved(frames, made);
+  if (outputs.cloud != nullptr) reject_reflected(frames, made);
 
   if (made.cloud == nullptr) return {};
   made.cloud->frame.reset();  // of an earlier use
@@ -263,7 +276,7 @@ ValidityCounts Engine::run(const FrameViews& given, const Outputs& outputs) {
   }
 
   // 3. Clean. The depth noise is for 8-bit frames; the modulation is in grey levels of these.
-  const auto& modulation = outputs.maps != nullptr ? outputs.maps->modulation : memory.modulation;
+  const auto& modulation = made.maps != nullptr ? made.maps->modulation : memory.modulation;
   DepthNoise noise = tables_->noise;
   noise.noise *= static_cast<float>(frames.full_scale() / 255);
   return memory.clean(*made.cloud, &modulation, noise);
@@ -363,6 +376,28 @@ void Engine::reject_moved(const FrameViews& frames, const Outputs& outputs) {
   });
 
   if (outputs.maps != nullptr) std::swap(outputs.maps->motion, motion.speed);
+}
+
+void Engine::reject_reflected(const FrameViews& frames, const Outputs& outputs) {
+  const CleanSettings& clean = setup().settings.clean;
+  if (!rejects_reflection(clean)) return;
+  Cloud& cloud = *outputs.cloud;
+
+  // 1. The errors that such light may cause, by the picture around and by the own surface.
+  constexpr int half = 4, half_of_surface = 2;  // pixels
+  const Disturbance disturbance = disturbance_of(frames, cloud, *outputs.maps, tables_->complete);
+  const Image<float> local = predicted_errors(disturbance, cloud, half_of_surface, true);
+  outputs.maps->reflection =
+      clean.reflection > 0 ? predicted_errors(disturbance, cloud, half, false) : local;
+
+  // 2. Reject those above a limit that is set.
+  const auto exceeds = [](float error, double limit) { return limit > 0 && error > limit; };
+  for_each_pixel(cloud.size(), [&](int column, int row) {
+    if (exceeds(outputs.maps->reflection(column, row), clean.reflection) ||
+        exceeds(local(column, row), clean.local_reflection)) {
+      cloud.reject(column, row, Validity::reflected);
+    }
+  });
 }
 
 double Engine::moving_share(const FrameViews& frames) const {

@@ -17,6 +17,7 @@
 #include "reconstruct/epipolar.h"
 #include "reconstruct/phase_matcher.h"
 #include "scan_job/axis_findings.h"
+#include "scan_job/error_budget.h"
 
 namespace slipstream {
 namespace {
@@ -334,6 +335,7 @@ ScanResult ScanJob::operator()(const CheckedJob& job, const std::string& name) {
   // 3. Uncertainty and confirmed coordinates, if wanted.
   if (settings_.uncertainty && !result.uncertainty) {
     result.uncertainty = engine_->uncertainty(result.cloud, result.maps, job.scan.frames);
+    result.budget = error_budget(result, job.scan.frames);
   }
   if (settings_.sure_coordinates && !two_cameras) {
     result.maps.coordinate =

@@ -157,6 +157,10 @@ void write_accuracy_report(const fs::path& folder, const AccuracyReport& report)
   page.facts(facts);
 
   write_figures(page, report);
+  if (!report.budget.empty()) {
+    page.heading("Error of depth of a scan, by source");
+    page.facts(report.budget);
+  }
   write_positions(page, report.accuracy);
   write_pictures(page, folder, report.accuracy);
 

@@ -16,7 +16,8 @@ struct AccuracyReport {
   const Accuracy& accuracy;
   const std::vector<AccuracyFigure>& figures;
   Verdict verdict;
-  Facts facts{};  ///< about the run and the scanner, before those of the artefacts
+  Facts facts{};   ///< about the run and the scanner, before those of the artefacts
+  Facts budget{};  ///< the error of a scan by its sources; may be empty
 };
 
 /// Writes report.html and its pictures: the figures with their uncertainties and limits, each

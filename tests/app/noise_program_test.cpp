@@ -54,6 +54,7 @@ TEST_F(NoiseProgram, CalibratesAmbientLightAndNoiseIntoTheScannerFile) {
                                         "--uncertainty", "-o", path("cloud.ply"), "--json"});
   EXPECT_EQ(cloud.exit_code, 0) << cloud.err;
   EXPECT_NE(cloud.out.find("median_sigma_z_mm"), std::string::npos) << cloud.out;
+  EXPECT_NE(cloud.out.find("\"total_mm\""), std::string::npos) << cloud.out;
 }
 
 TEST_F(NoiseProgram, AmbientLightTakesTheResponseFirst) {

@@ -61,7 +61,8 @@ TEST_F(VerifyProgram, MeasuresScansAgainstCertifiedValues) {
   EXPECT_EQ(right["diagonal_mm"], 400);
   EXPECT_NE(right["verdict"].get<std::string>().find("systematic errors"), std::string::npos);
   const std::string report = contents(path("report/report.html"));
-  for (const char* part : {"<td>slipstream verify ", "CRC-32", "dual-frequency", "camera 320x240"}) {
+  for (const char* part : {"<td>slipstream verify ", "CRC-32", "dual-frequency", "camera 320x240",
+                           "root of the sum of squares"}) {
     EXPECT_NE(report.find(part), std::string::npos) << part;
   }
   EXPECT_TRUE(report.find("<h1>Accuracy of a 3-D scanner") != std::string::npos);

@@ -167,6 +167,27 @@ TEST(CloudFile, PlyAndPcdTakeUncertainty) {
   EXPECT_EQ(pcd.floats().size(), 48U);
 }
 
+TEST(CloudFile, KeepsSystematicErrorsBesideUncertainty) {
+  const TemporaryFolder folder;
+  const Cloud cloud = small_cloud();
+  Uncertainty sigma(cloud.size());
+  sigma.z_systematic = Image<float>(cloud.size(), 0.25F);
+  sigma.z(0, 0) = 0.125F;
+
+  for (const char* const name : {"cloud.ply", "cloud.pcd"}) {
+    write_cloud(folder.path() / name, cloud, {.uncertainty = &sigma});
+    const StoredCloud stored = read_cloud(folder.path() / name);
+    ASSERT_TRUE(stored.uncertainty);
+    EXPECT_EQ(stored.uncertainty->z(0, 0), 0.125F);
+    ASSERT_FALSE(stored.uncertainty->z_systematic.empty());
+    EXPECT_EQ(stored.uncertainty->z_systematic(0, 0), 0.25F);
+  }
+
+  // Text has no names of columns, so that it keeps the usual ones.
+  write_cloud(folder.path() / "cloud.xyz", cloud, {.uncertainty = &sigma});
+  EXPECT_EQ(read_cloud(folder.path() / "cloud.xyz").uncertainty->z(0, 0), 0.125F);
+}
+
 TEST(CloudFile, RemarksAreCommentsOfTheHeader) {
   const TemporaryFolder folder;
   const CloudExtras remarked{.remarks = {"doubted: {frames}\nswapped", "b"}};

@@ -200,13 +200,16 @@ void merge_batch(const BatchFlags& flags, Output& output) {
   OutputFile file(path);
   Sums sums;
 
+  Progress progress("shards", shards.size());
   for (const auto& [shard, listed] : shards) {
     batch.flags.scans = scan_names(listed, batch.flags.every);
     const std::string lines =
         merge_shard(batch.flags, read_manifest(manifest_in(flags.folder, shard)), sums, output);
     file.write({bytes_of(lines)});
+    progress.advance();
   }
 
+  progress.finish();
   file.keep();
   output.document = described("manifest", path, "scans", sums.scans, "whole", sums.whole, "lines",
                               sums.lines, "counts", sums.counts, "seconds", sums.seconds);

@@ -213,7 +213,8 @@ void convert_to_folders(const std::vector<std::string>& recordings, const std::s
     if (scan.scanner) scanner = read_scanner(*scan.scanner);
     const Sequence& sequence = scan.sequence;
     const std::uint64_t windows = complete_windows(recording, sequence, path, output);
-    for (std::uint64_t window = 0; window < windows; ++window) {
+    Progress progress("scans", windows);
+    for (std::uint64_t window = 0; window < windows; ++window, progress.advance()) {
       const std::optional<FrameSet> frames = window_at(recording, sequence, window);
       const ScanName name{path, window};
       if (!frames) {
@@ -388,7 +389,8 @@ void convert_recording(const std::string& path, CloudFlags flags, CloudFiles& fi
   const double cycle = rate > 0 ? static_cast<double>(cycle_length(sequence)) / rate : 1;
 
   const std::uint64_t windows = complete_windows(recording, sequence, path, output);
-  for (std::uint64_t window = 0; window < windows; ++window) {
+  Progress progress("clouds", windows);
+  for (std::uint64_t window = 0; window < windows; ++window, progress.advance()) {
     flags.window = window;
     const auto time = static_cast<std::uint64_t>(static_cast<double>(window) * cycle * nanoseconds);
 

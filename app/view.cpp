@@ -1,6 +1,7 @@
 #include "app/view.h"
 
 #include <algorithm>
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -74,27 +75,55 @@ struct ViewPathFlags {
   std::string web;  ///< [ADDRESS:]PORT; empty: in a window
 };
 
+view::StillScan still_scan(CheckedJob job) {
+  return {std::move(job.scan.frames), std::move(job.scan.colour), std::move(job.checked.findings)};
+}
+
+/// The number of scans of a recording, and how fast they follow each other.
+void add_timeline(view::ViewSource& source, const ScanFiles& files) {
+  source.scans = window_count(files);
+  if (source.scans < 2) return;
+
+  // Times of frames count from the first one.
+  const RecordingReader& recording = *files.recording;
+  Frame last;
+  recording.read(recording.count() - 1, last);
+  const std::chrono::duration<double> time = last.stamp.host_time.time_since_epoch();
+  source.seconds_per_scan = time.count() / static_cast<double>(source.scans);
+}
+
 view::ViewSource source_of_scan(const std::string& path, const CloudFlags& asked,
                                 const std::string& save_to, Output& output) {
   require_valid(asked.settings.clean);
 
   CheckedJob job =
       checked_scan(load_checkable(path, asked, false, output), path, job_settings(asked), output);
-  const EngineSetup& setup = job.setup;
+  const EngineSetup setup = job.setup;
   const auto given = job.gamma.response;
   const auto blind =
       choose_gamma("blind", given, setup.sequence.strategy.layout(), job.scan.frames).response;
 
-  view::ViewSource source =
-      view::still_source(std::move(job.scan.frames), setup, std::move(job.scan.colour));
-  source.findings = job.checked.findings;
+  // Each scan of a recording is checked before it is shown, as the first.
+  const ScanFiles files = scan_files_in(path, asked);
+  CloudFlags chosen = asked;
+  chosen.recording = files.recording;
+  const auto scan_at = [path, chosen, scanner = setup.scanner](std::size_t number) mutable {
+    chosen.window = number;
+    Scan scan = load_scan(scan_files_in(path, chosen));
+    scan.scanner = scanner;
+    CheckedJob other = checked_job(std::move(scan), job_settings(chosen), path);
+    if (!chosen.anyway) require_right(other.checked, path);
+    return still_scan(std::move(other));
+  };
+
+  view::ViewSource source = view::still_source(still_scan(std::move(job)), setup, scan_at);
+  if (files.recording) add_timeline(source, files);
   if (const auto& frame = wanted_frame(asked.settings)) source.frame = frame_after({}, *frame);
   source.gammas = {{fmt::format("of the {}", asked.gamma == "scanner" ? "scanner" : "flag"), given},
                    {"none", std::nullopt},
                    {"from the frames", blind}};
-  source.save = [save_to, remarks = remarks_about(job.checked.findings)](
-                    const view::ShownCloud& cloud, const EngineSetup& used) {
-    return save_in_new_folder(cloud.frames, used, save_to, remarks);
+  source.save = [save_to](const view::ShownCloud& cloud, const EngineSetup& used) {
+    return save_in_new_folder(cloud.frames, used, save_to, remarks_about(cloud.findings));
   };
 
   return source;
@@ -161,7 +190,7 @@ void view_path(const ViewPathFlags& flags, Output& output) {
   // 2. Draw pictures, if any are wanted.
   view::ViewSource source = view_source_of(flags.path, flags.cloud, flags.view, output);
   output.document = described("path", flags.path, "files", nlohmann::json::object());
-  if (scan) output.document["findings"] = source.findings;
+  if (scan) output.document["findings"] = source.newest().findings;
   write_pictures(source, flags.view, true, output);
 
   if (!output.document["files"].empty()) return;

@@ -28,6 +28,7 @@ set(slipstream_libraries
   "CycloneDDS::ddsc              CycloneDDS      CycloneDDS"
   "Ceres::ceres                  -lceres         Ceres"
   "PkgConfig::aravis             aravis-0.8"
+  "PkgConfig::gio                gio-2.0"
   "PkgConfig::hidapi             hidapi-hidraw"
   "glfw                          glfw3           glfw3"
   "PkgConfig::epoxy              epoxy"

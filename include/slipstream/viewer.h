@@ -78,6 +78,7 @@ struct ShownCloud {
   std::shared_ptr<const Cloud> cloud{};              ///< also keeps the frames' memory
   std::shared_ptr<const Uncertainty> uncertainty{};  ///< if it came with the cloud
   FrameViews frames{};                               ///< in pattern order; empty for a cloud file
+  std::vector<Finding> findings{};                   ///< about the frames; empty for live ones
   std::shared_ptr<const Sequence> sequence{};        ///< of live frames; null for others
   std::chrono::steady_clock::time_point captured{};  ///< the newest frame; 0 without frames
 
@@ -126,7 +127,6 @@ struct ViewSource {
   /// nullopt for clouds without frames: no pictures beside them, and nothing can be changed or
   /// saved.
   std::optional<EngineSetup> setup{};
-  std::vector<Finding> findings{};  ///< about frames without pipeline statistics
   /// Makes clouds with another setup from now on. May throw: the viewer then shows the reason and
   /// keeps the old setup.
   std::function<void(const EngineSetup&)> change{};
@@ -135,6 +135,12 @@ struct ViewSource {
   std::vector<std::pair<std::string, Strategy>> strategies{};  ///< choices, by label
   /// Choices of response correction, by label; nullopt: not corrected.
   std::vector<std::pair<std::string, std::optional<MeasuredResponse>>> gammas{};
+
+  /// The scans of a recording, one of which `newest` gives: their number, the time from one to the
+  /// next, s, and a function that chooses one. It may throw: the viewer then shows the reason.
+  std::size_t scans = 1;
+  double seconds_per_scan = 0;
+  std::function<void(std::size_t)> show_scan{};
 
   CameraControls* camera = nullptr;  ///< camera controls; null if none
   /// The exposure, ms, that measures most pixels of such a scene, from a cloud taken with
@@ -173,9 +179,17 @@ struct ViewSource {
 /// A static cloud, with its uncertainty if known.
 ViewSource still_source(Cloud cloud, std::optional<Uncertainty> uncertainty = std::nullopt);
 
-/// Frames, reconstructed again for each setup, with the colours of their pixels; the caller adds
-/// `save`. Throws Error like Engine.
-ViewSource still_source(FrameSet frames, const EngineSetup& setup, Image<Colour> colour = {});
+/// The frames of a scan.
+struct StillScan {
+  FrameSet frames;
+  Image<Colour> colour{};           ///< of their pixels; empty: unknown
+  std::vector<Finding> findings{};  ///< about them
+};
+
+/// A scan, reconstructed again for each setup; the caller adds `save`. `scan_at`: reads others, for
+/// ViewSource::show_scan. Throws Error like Engine.
+ViewSource still_source(StillScan scan, const EngineSetup& setup,
+                        std::function<StillScan(std::size_t)> scan_at = {});
 
 /// The clouds of a running pipeline, which must outlive the source; `setup`: the initial one.
 /// Offers other responses and, if patterns can change, strategies; the caller adds files.

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <string>
 
+#include "base/object_range.h"
 #include "base/statistics.h"
 #include "base/throw_if-inl.h"
 #include "io/canvas.h"
@@ -221,6 +222,34 @@ Canvas coloured(const Image<double>& map, const ValueRange& range, const ColourM
   return picture;
 }
 
+/// A range slightly wider than the values; at least a thousandth of them, for a map that is the
+/// same everywhere.
+ValueRange with_margin(double low, double high) {
+  const double margin = std::max(0.02 * (high - low), 1e-3 * std::abs(high) + 1e-9);
+  return {low - margin, high + margin};
+}
+
+/// The smallest rectangle with all finite values; the whole map without any.
+Rectangle measured_part(const Image<double>& map) {
+  int left = map.width(), top = map.height(), right = -1, bottom = -1;
+  for_each_pixel_in_order(map.size(), [&](int column, int row) {
+    if (!std::isfinite(map(column, row))) return;
+    left = std::min(left, column), right = std::max(right, column);
+    top = std::min(top, row), bottom = row;
+  });
+
+  if (right < 0) return {0, 0, map.size()};
+  return {left, top, {right - left + 1, bottom - top + 1}};
+}
+
+Canvas part_of(const Canvas& picture, const Rectangle& area) {
+  Canvas part(area.size);
+  for (int row = 0; row < area.size.height; ++row) {
+    std::copy_n(picture.row(area.y + row) + area.x, area.size.width, part.row(row));
+  }
+  return part;
+}
+
 void copy(const Canvas& picture, Canvas& page, int left, int top) {
   for (int row = 0; row < picture.height(); ++row) {
     std::copy_n(picture.row(row), picture.width(), page.row(top + row) + left);
@@ -331,12 +360,8 @@ ValueRange robust_range(const Image<double>& map) {
   std::vector<double> values = finite_values(map);
   if (values.empty()) return {};
 
-  const double low = quantile(values, 0.01), high = quantile(values, 0.99);
-
-  // At least a thousandth of the values, for a map that is the same everywhere.
-  const double margin = std::max(0.02 * (high - low), 1e-3 * std::abs(high) + 1e-9);
-
-  return {low - margin, high + margin};
+  const double low = quantile(values, 0.01);
+  return with_margin(low, quantile(values, 0.99));
 }
 
 void write_depth_preview(const fs::path& path, const Cloud& cloud) {
@@ -346,8 +371,15 @@ void write_depth_preview(const fs::path& path, const Cloud& cloud) {
 
 std::vector<std::uint8_t> depth_preview(const Cloud& cloud) {
   const Image<double> depth = converted<double>(cloud.z);
-  const ValueRange range = robust_range(depth);
   const ColourMap colours = depth_colours();
+
+  // Colours for the object, not for a wall far behind it.
+  std::vector<double> depths = finite_values(depth);
+  ValueRange range;
+  if (!depths.empty()) {
+    const auto [low, high] = range_of_object(depths);
+    range = with_margin(low, high);
+  }
 
   Canvas picture = coloured(depth, range, colours);
 
@@ -364,7 +396,7 @@ std::vector<std::uint8_t> depth_preview(const Cloud& cloud) {
     shaded(pixel.red), shaded(pixel.green), shaded(pixel.blue);
   });
 
-  return png_of(preview(picture, range, "depth, mm", colours));
+  return png_of(preview(part_of(picture, measured_part(depth)), range, "depth, mm", colours));
 }
 
 void write_map_preview(const fs::path& path, const Image<double>& map, const std::string& unit) {

@@ -53,8 +53,9 @@ struct ValueRange {
 /// not take up all colours. [0, 1] without finite values.
 ValueRange robust_range(const Image<double>& map);
 
-/// A PNG with depth in colours, shaded by the surface's slope, and a scale in millimetres. Pixels
-/// without a point are dark grey. Sides longer than 1000 pixels are reduced.
+/// A PNG with depth in colours, shaded by the surface's slope, and a scale in millimetres: the part
+/// of the picture that has points, with colours for an object rather than for a wall behind it.
+/// Pixels without a point are dark grey. Sides longer than 1000 pixels are reduced.
 void write_depth_preview(const std::filesystem::path& path, const Cloud& cloud);
 /// The same as the bytes of a PNG file.
 std::vector<std::uint8_t> depth_preview(const Cloud& cloud);

@@ -127,7 +127,20 @@ function toneOf(greys) {
   return [dark, 255 / (bright - dark)];
 }
 
-// Centre of a few thousand points, and the depth range of most of them.
+// Depth range of most points; of an object alone before a background far behind it, as
+// range_of_object in src/base/object_range.h.
+function rangeOfObject(depths) {
+  depths.sort((a, b) => a - b);
+  const part = share => depths[Math.floor(share * (depths.length - 1))];
+  const near = part(.01), far = part(.99);
+  for (let share = .1; share + .02 < .99; share += .02) {
+    const end = part(share), isFlat = 20 * (end - near) <= far - near;
+    if (3 * (part(share + .02) - end) > far - near && !isFlat) return [near, end];
+  }
+  return [near, far];
+}
+
+// Centre of a few thousand points, and the depth range of the object.
 function middle({ depths, nearest, step }) {
   const some = [], sum = [0, 0, 0];
   for (let i = 0; i < depths.length; i += 1 + (depths.length >> 12)) {
@@ -137,10 +150,9 @@ function middle({ depths, nearest, step }) {
     [rays[2 * i] * z, rays[2 * i + 1] * z, z].forEach((value, k) => { sum[k] += value; });
   }
   if (!some.length) return null;
-  some.sort((a, b) => a - b);
-  const part = share => some[Math.floor(share * (some.length - 1))];
+  const [near, far] = rangeOfObject(some);
   view.distance = sum[2] / some.length;
-  return { centre: sum.map(value => value / some.length), near: part(.02), far: part(.98) };
+  return { centre: sum.map(value => value / some.length), near, far };
 }
 
 // Turns about the centre, `distance` ahead; Z is forward and Y down, as for the camera.

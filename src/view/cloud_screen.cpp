@@ -23,39 +23,27 @@
 #include "view/panel.h"
 #include "view/pictures.h"
 #include "view/scene_renderer.h"
+#include "view/timeline.h"
 
 namespace slipstream::view {
 namespace {
 
 constexpr int picture_width = 480, large_picture_width = 1920;
-/// Tried until the best: saturated pixels hide how bright they are.
-constexpr int most_exposures = 4;
 
 PointImages images_of(const Cloud& cloud) {
   return {cloud.x, cloud.y, cloud.z, cloud.intensity, nullptr, &cloud.colour};
 }
 
 /// The part of the framebuffer between panel and pictures.
-Pane pane_between(const PanelWidths& widths, const Screen& screen) {
+Pane pane_between(const PanelMargins& margins, const Screen& screen) {
   const auto pixels = [&](float units) {
     return static_cast<int>(std::lround(units * screen.pixel_ratio()));
   };
 
-  const int left = pixels(widths.left);
+  const int left = pixels(margins.left);
   return {.left = left,
-          .size = {std::max(screen.framebuffer.width - left - pixels(widths.right), 1),
-                   std::max(screen.framebuffer.height, 1)}};
-}
-
-/// The place of a value among labelled choices, some of which may have the same value. The present
-/// place if it has the value, or if none has.
-template <class Value>
-std::size_t place_of(const Value& value, const std::vector<std::pair<std::string, Value>>& choices,
-                     std::size_t present) {
-  if (present < choices.size() && choices[present].second == value) return present;
-
-  const auto found = std::ranges::find(choices, value, &std::pair<std::string, Value>::second);
-  return found == choices.end() ? present : static_cast<std::size_t>(found - choices.begin());
+          .size = {std::max(screen.framebuffer.width - left - pixels(margins.right), 1),
+                   std::max(screen.framebuffer.height - pixels(margins.top), 1)}};
 }
 
 }  // namespace
@@ -85,11 +73,13 @@ CloudScreen::CloudScreen(const ViewSource& source, const ViewSettings& settings,
 
 bool CloudScreen::take_newest() {
   if (state_.paused) return false;
+  play();
 
   ShownCloud newest = source_.newest();
   if (!newest || newest.is(cloud_)) return false;
 
   cloud_ = std::move(newest);
+  state_.findings = cloud_.findings;
   told_shown_ = false;
   uncertainty_.reset();
 
@@ -204,7 +194,6 @@ void CloudScreen::draw_over(const Area& area, const Screen& screen) const {
   if (source_.guide) return draw_guide(guide_, guide_picture_, area);
   if (!cloud_) return draw_note(source_.waits_for, area, screen.unit());
   if (pictures_alone(source_)) return draw_picture(pictures_.at(state_.picture), area);
-  if (!state_.shown) return;
   const std::string why = why_no_points(state_);
   if (!why.empty()) return draw_note(why, area, screen.unit());
   if (scene_.shows_depths(state_.view.colour)) {
@@ -216,14 +205,15 @@ void CloudScreen::draw(const Screen& screen) {
   if (cloud_ && drawn_ != look()) set_cloud();
 
   // 1. The cloud, between panel and pictures.
-  const PanelWidths widths = panel_widths(state_, source_, screen);
-  const Pane pane = pane_between(widths, screen);
+  const PanelMargins margins = panel_margins(state_, source_, screen);
+  const Pane pane = pane_between(margins, screen);
   draw_scene(pane, screen);
 
   // 2. News since the last picture.
   PanelRequests requests;
   gui_.begin_frame(screen);
   hear_of_saving();
+  hear_of_dialog();
   hear_of_changes();
   if (auto newest = source_.guide ? source_.guide() : std::nullopt) {
     guide_ = *std::move(newest);
@@ -232,9 +222,12 @@ void CloudScreen::draw(const Screen& screen) {
 
   // 3. Texts over the cloud, the panel and the pictures.
   const LiveStatistics statistics = source_.statistics ? source_.statistics() : LiveStatistics{};
-  const auto width = static_cast<float>(screen.window.width) - widths.left - widths.right;
-  const Area area{widths.left, 0, std::max(width, 1.0F), static_cast<float>(screen.window.height)};
-  draw_over(area, screen);
+  const auto width = static_cast<float>(screen.window.width) - margins.left - margins.right;
+  const auto height = static_cast<float>(screen.window.height) - margins.top;
+  const Area area{margins.left, margins.top, std::max(width, 1.0F), std::max(height, 1.0F)};
+  state_.can_undo = !earlier_.empty();
+  draw_over(above_timeline(area), screen);
+  draw_timeline(state_, requests, source_, area);
   draw_panel(state_, requests, source_, statistics, screen);
   draw_pictures(state_, pictures_, source_, screen);
 
@@ -253,6 +246,11 @@ void CloudScreen::draw(const Screen& screen) {
   count_drawn();
 }
 
+Area CloudScreen::above_timeline(Area area) const {
+  area.height -= timeline_height(state_, source_);
+  return area;
+}
+
 void CloudScreen::take_mouse(const Pane& pane, const Area& area, const Screen& screen) {
   if (pictures_alone(source_) || state_.view.three_views) return;
 
@@ -264,7 +262,7 @@ void CloudScreen::take_mouse(const Pane& pane, const Area& area, const Screen& s
       measure(state_,
               {*cloud_.cloud, uncertainty(), clip_matrix(camera, pane.size), pane.size,
                source_.frame.get()},
-              area, screen.pixel_ratio());
+              above_timeline(area), screen.pixel_ratio());
     }
   }
 
@@ -293,6 +291,12 @@ void CloudScreen::take_key(int key, PanelRequests& requests) {
   const bool is_enter = key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER;
   if (is_enter && state_.closing) requests.close = true;
   if (key == GLFW_KEY_SPACE && source_.statistics) state_.paused = !state_.paused;
+  if (key == GLFW_KEY_SPACE && source_.scans > 1) state_.plays = !state_.plays;
+  if (key == GLFW_KEY_LEFT || key == GLFW_KEY_RIGHT) {
+    const std::size_t scan = requests.scan.value_or(state_.scan);
+    requests.scan = scan_after(scan, source_, key == GLFW_KEY_LEFT ? -1 : 1);
+  }
+  if (key == GLFW_KEY_Z) requests.undo = true;
   if (key == GLFW_KEY_TAB) state_.shown = !state_.shown;
   if (key == GLFW_KEY_F) requests.fit = true;
 
@@ -305,6 +309,7 @@ void CloudScreen::take_key(int key, PanelRequests& requests) {
   if (key == GLFW_KEY_E && can_choose_exposure(state_, source_)) requests.expose = true;
   if (key == GLFW_KEY_M) state_.measures = !state_.measures;
   if (key == GLFW_KEY_S && source_.save) requests.save = true;
+  if (key == GLFW_KEY_O && source_.open) requests.file = {FileQuestion::open, {}};
   if (key == GLFW_KEY_R && source_.record) requests.toggle_recording ^= true;
 
   if (key >= GLFW_KEY_1 && key <= GLFW_KEY_3) {
@@ -336,8 +341,13 @@ void CloudScreen::answer(const PanelRequests& requests) {
 
   if (requests.close) closed_ = true;
   if (requests.change_setup) change_setup();
+  if (requests.undo) undo();
+  if (requests.scan) {
+    state_.plays = false;
+    show_scan(*requests.scan);
+  }
   if (requests.save) save();
-  if (!requests.open.empty()) open(requests.open);
+  if (requests.file) take_file(*requests.file);
   if (requests.step != nullptr) beginning_ = requests.step;
   if (requests.expose) exposures_to_set_ = most_exposures;
 
@@ -346,8 +356,7 @@ void CloudScreen::answer(const PanelRequests& requests) {
   }
 }
 
-template <class Action>
-bool CloudScreen::attempt(const Action& action) try {
+bool CloudScreen::attempt(const std::function<void()>& action) try {
   action();
 
   state_.message.clear();
@@ -357,107 +366,17 @@ bool CloudScreen::attempt(const Action& action) try {
   return false;
 }
 
-void CloudScreen::change_setup() {
-  // Build the engine first: it refuses an unsuitable setup before the source changes.
-  const bool accepted = attempt([&] {
-    Engine engine(state_.setup);
-    source_.change(state_.setup);
-    engine_ = std::move(engine);
-  });
-
-  // The panel keeps or takes back the choices.
-  if (accepted) {
-    accepted_ = {state_.strategy, state_.gamma};
-  } else {
-    state_.setup = engine_->setup();
-    std::tie(state_.strategy, state_.gamma) = accepted_;
-  }
+void CloudScreen::show_scan(std::size_t number) {
+  if (source_.scans < 2) return;
+  scan_shown_at_ = std::chrono::steady_clock::now();
+  state_.scan = number;
+  attempt([&] { source_.show_scan(number); });
 }
 
-void CloudScreen::hear_of_changes() {
-  const auto setup = source_.changed ? source_.changed() : std::nullopt;
-  if (!setup) return;
-
-  ask_camera();
-  if (!engine_ || *setup == state_.setup) return;
-
-  engine_.emplace(*setup);
-  state_.setup = *setup;
-
-  state_.strategy = place_of(setup->sequence.strategy, source_.strategies, state_.strategy);
-  state_.gamma = place_of(setup->scanner.photometry.response, source_.gammas, state_.gamma);
-  accepted_ = {state_.strategy, state_.gamma};
-}
-
-void CloudScreen::expose() {
-  // Half a second after a change, so that the cloud was taken with the present exposure.
-  const auto now = std::chrono::steady_clock::now();
-  if (exposures_to_set_ == 0 || now < exposed_at_ + std::chrono::milliseconds(500)) return;
-
-  --exposures_to_set_;
-  const bool changed = attempt([&] {
-    const ControlValue present = source_.camera->control(CameraControl::exposure).value();
-    const double best =
-        std::clamp(source_.best_exposure(cloud_, present.value), present.least, present.most);
-
-    // Near enough to the best: set it, and stop.
-    constexpr double alike = 1.05;
-    if (best < alike * present.value && alike * best > present.value) exposures_to_set_ = 0;
-    source_.camera->set_control(CameraControl::exposure, best);
-  });
-
-  if (!changed) exposures_to_set_ = 0;
-  exposed_at_ = now;
-  ask_camera();
-}
-
-void CloudScreen::ask_camera() {
-  state_.camera.clear();
-  if (source_.camera == nullptr) return;
-
-  for (const auto& [which, name, help, unit, shown_as] : camera_controls) {
-    if (const auto value = source_.camera->control(which)) state_.camera.push_back({which, *value});
-  }
-}
-
-void CloudScreen::open(const std::string& path) {
-  if (!source_.open) return;
-
-  attempt([&] {
-    auto opened = source_.open(path);
-    if (!opened) return;
-
-    opened->open = source_.open;
-    opened->openable = source_.openable;
-    opened->steps = source_.steps;
-
-    next_ = [source = *std::move(opened)] { return source; };
-  });
-}
-
-void CloudScreen::save() {
-  if (!cloud_ || !engine_ || saving_.valid()) return;
-
-  state_.message = "saving ...";
-  saving_ =
-      std::async(std::launch::async, [save = source_.save, cloud = cloud_,
-                                      setup = engine_->setup()] { return save(cloud, setup); });
-}
-
-void CloudScreen::hear_of_saving() {
-  if (!saving_.valid()) return;
-  if (saving_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
-
-  try {
-    const std::string path = saving_.get();
-    if (source_.opens_saved) {
-      // The opened scan gets a screen of its own, which keeps the steps and their message.
-      if (source_.steps) source_.steps->message = fmt::format("saved: {}", path);
-      return open(path);
-    }
-    state_.message = fmt::format("saved: {}", path);
-  } catch (const std::exception& error) {
-    state_.message = fmt::format("not saved: {}", source_.worded(error.what()));
+void CloudScreen::play() {
+  const std::chrono::duration<double> shown = std::chrono::steady_clock::now() - scan_shown_at_;
+  if (state_.plays && shown.count() >= source_.seconds_per_scan) {
+    show_scan(scan_after(state_.scan, source_, 1));
   }
 }
 

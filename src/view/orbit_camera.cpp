@@ -82,8 +82,9 @@ glm::mat4 view_matrix(const OrbitCamera& camera) {
 }
 
 glm::mat4 clip_matrix(const OrbitCamera& camera, Size picture) {
-  const glm::mat4 projection = glm::perspective(camera.field_of_view, aspect(picture),
-                                                0.02F * camera.distance, 50 * camera.distance);
+  const glm::mat4 projection =
+      glm::perspective(camera.field_of_view, aspect(picture), nearest_share * camera.distance,
+                       farthest_share * camera.distance);
 
   return projection * view_matrix(camera) * glm::scale(glm::mat4(1), glm::vec3(1, -1, -1));
 }

@@ -44,6 +44,9 @@ OrbitCamera fitted(OrbitCamera camera, const Box& box, Size picture);
 /// Display's frame to the eye's.
 glm::mat4 view_matrix(const OrbitCamera& camera);
 
+/// Distances from the eye between which points are drawn, in distances of the target.
+constexpr float nearest_share = 0.02F, farthest_share = 50;
+
 /// Scanner's frame to clip coordinates.
 glm::mat4 clip_matrix(const OrbitCamera& camera, Size picture);
 

@@ -12,6 +12,7 @@
 #include <imgui.h>
 
 #include "view/gui.h"
+#include "view/menu.h"
 #include "view/opengl.h"
 #include "view/orbit_camera.h"
 #include "view/speed.h"
@@ -73,7 +74,7 @@ void draw_status(const PanelState& state, const ViewSource& source,
                  const LiveStatistics& statistics) {
   if (!statistics.source_state.empty()) say(bad, "{}", source.worded(statistics.source_state));
 
-  draw_findings(source.findings, source);
+  draw_findings(state.findings, source);
   draw_findings(statistics.findings, source);
 
   if (statistics.track) say(white, "{}", text_of(*statistics.track));
@@ -131,20 +132,28 @@ void draw_measuring(PanelState& state) {
   for (const std::string& line : state.measured.lines) say(white, "{}", line);
 }
 
-/// A list of files, and a field for any other path.
-void draw_open(PanelState& state, PanelRequests& requests, const ViewSource& source) {
-  if (!source.open || !section("Open")) return;
+/// A list of files, and a field for any other path; if it is empty, a dialog asks.
+void draw_files(PanelState& state, PanelRequests& requests, const ViewSource& source) {
+  if (!section("Files")) return;
   for (const std::string& name : state.openable) {
-    if (ImGui::Selectable(name.c_str())) requests.open = name;
+    if (ImGui::Selectable(name.c_str())) requests.file = {FileQuestion::open, name};
   }
 
   push_tab_stop(true);
   ImGui::SetNextItemWidth(-1);
   if (ImGui::InputTextWithHint("##path", "path, then Enter; or drop a file here", state.path.data(),
                                state.path.size(), ImGuiInputTextFlags_EnterReturnsTrue)) {
-    requests.open = state.path.data();
+    requests.file = {FileQuestion::open, state.path.data()};
   }
   pop_tab_stop();
+
+  if (source.open && ImGui::Button("Open ... (O)")) {
+    requests.file = {FileQuestion::open, state.path.data()};
+  }
+  if (!has_points(state, source)) return;
+  if (source.open) ImGui::SameLine();
+  if (ImGui::Button("Save cloud as ...")) requests.file = {FileQuestion::save, state.path.data()};
+  tell_help("the points as .ply, .pcd or .xyz, the surface as .stl, .obj or .glb");
 }
 
 /// Choices and buttons that lead to another source.
@@ -169,13 +178,13 @@ void draw_steps(PanelRequests& requests, const ViewSource& source) {
       ImGui::EndCombo();
     }
 
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", choice.help.c_str());
+    tell_help(choice.help.c_str());
   }
 
   // The buttons, side by side.
   for (const ViewStep& step : source.steps->buttons) {
     if (ImGui::Button(step.name.c_str())) requests.step = &step;
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", step.help.c_str());
+    tell_help(step.help.c_str());
     ImGui::SameLine();
   }
   ImGui::NewLine();
@@ -242,9 +251,7 @@ void draw_scan_settings(PanelState& state, PanelRequests& requests, const ViewSo
 
   // Every change rebuilds tables, so a dragged slider applies on release.
   requests.change_setup |= ImGui::IsItemDeactivatedAfterEdit();
-  if (ImGui::IsItemHovered()) {
-    ImGui::SetTooltip("minimum modulation of a valid pixel, grey levels of 255");
-  }
+  tell_help("minimum modulation of a valid pixel, grey levels of 255");
 
   requests.change_setup |= ImGui::Checkbox("reject saturated pixels", &settings.drop_saturated);
 }
@@ -325,15 +332,19 @@ void draw_closing(PanelState& state, PanelRequests& requests, const Screen& scre
   ImGui::End();
 }
 
-void place_window(float left, float width, const Screen& screen) {
-  ImGui::SetNextWindowPos({left, 0});
-  ImGui::SetNextWindowSize({width, static_cast<float>(screen.window.height)});
+void place_window(float left, float width, const PanelMargins& margins, const Screen& screen) {
+  ImGui::SetNextWindowPos({left, margins.top});
+  ImGui::SetNextWindowSize({width, static_cast<float>(screen.window.height) - margins.top});
 }
 
 }  // namespace
 
 bool pictures_alone(const ViewSource& source) {
   return source.setup && !has_geometry(source.setup->scanner);
+}
+
+bool has_points(const PanelState& state, const ViewSource& source) {
+  return state.counts.front() != 0 && !pictures_alone(source);
 }
 
 bool can_choose_exposure(const PanelState& state, const ViewSource& source) {
@@ -366,7 +377,8 @@ std::string why_no_points(const PanelState& state) {
   return words;
 }
 
-PanelWidths panel_widths(const PanelState& state, const ViewSource& source, const Screen& screen) {
+PanelMargins panel_margins(const PanelState& state, const ViewSource& source,
+                           const Screen& screen) {
   if (!state.shown || (source.guide && !source.steps)) return {};
 
   const auto width = static_cast<float>(screen.window.width);
@@ -374,17 +386,18 @@ PanelWidths panel_widths(const PanelState& state, const ViewSource& source, cons
   const float right = std::min(300 * screen.unit(), 0.3F * width);
   const bool room = width >= 760 * screen.unit();
 
-  return {left, source.setup && room ? right : 0};
+  return {left, source.setup && room ? right : 0, ImGui::GetFrameHeight()};
 }
 
 void draw_panel(PanelState& state, PanelRequests& requests, const ViewSource& source,
                 const LiveStatistics& statistics, const Screen& screen) {
   draw_closing(state, requests, screen);
 
-  const PanelWidths widths = panel_widths(state, source, screen);
-  if (widths.left <= 0) return;
+  const PanelMargins margins = panel_margins(state, source, screen);
+  if (margins.left <= 0) return;
 
-  place_window(0, widths.left, screen);
+  draw_menus(state, requests, source);
+  place_window(0, margins.left, margins, screen);
   if (ImGui::Begin("panel", nullptr, fixed_window)) {
     push_tab_stop(false);  // Tab would start typing into the next slider
 
@@ -410,7 +423,7 @@ void draw_panel(PanelState& state, PanelRequests& requests, const ViewSource& so
     // Settings of the camera and the scan, and files.
     draw_camera(state, requests, source);
     draw_scan_settings(state, requests, source);
-    draw_open(state, requests, source);
+    draw_files(state, requests, source);
 
     if (source.statistics) draw_speed(state, statistics);
 
@@ -429,10 +442,11 @@ void draw_pictures(PanelState& state, const std::array<opengl::PictureTexture, 3
   static constexpr std::array<const char*, 3> titles{"Camera (red: saturated)", "Modulation",
                                                      "Wrapped phase"};
 
-  const PanelWidths widths = panel_widths(state, source, screen);
-  if (widths.right <= 0) return;
+  const PanelMargins margins = panel_margins(state, source, screen);
+  if (margins.right <= 0) return;
 
-  place_window(static_cast<float>(screen.window.width) - widths.right, widths.right, screen);
+  place_window(static_cast<float>(screen.window.width) - margins.right, margins.right, margins,
+               screen);
   if (ImGui::Begin("pictures", nullptr, fixed_window)) {
     for (std::size_t i = 0; i < pictures.size(); ++i) {
       ImGui::SetNextItemOpen(state.picture_open[i]);

@@ -4,12 +4,14 @@
 #include <cmath>
 #include <optional>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include <epoxy/gl.h>
 #include <glm/gtc/type_ptr.hpp>
 
 #include "base/names.h"
+#include "base/object_range.h"
 #include "base/statistics.h"
 #include "base/throw_if-inl.h"
 #include "view/lines.h"
@@ -112,6 +114,25 @@ float spacing_of(const PointImages& cloud, const Box& box) {
   return std::sqrt(area / static_cast<float>(std::max<std::size_t>(count, 1)));
 }
 
+/// From second differences along rows, which a smooth surface hardly has.
+float noise_of(const Image<float>& depth) {
+  const int width = depth.width();
+  const std::size_t count = depth.pixel_count(), stride = stride_over(count);
+
+  std::vector<float> differences;
+  for (std::size_t i = 0; i + 2 < count; i += stride) {
+    const float* const at = depth.begin() + i;
+    const float difference = std::abs(at[0] - 2 * at[1] + at[2]);
+    if (static_cast<int>(i % width) + 2 < width && std::isfinite(difference)) {
+      differences.push_back(difference);
+    }
+  }
+
+  if (depth.height() < 2 || differences.empty()) return 0;
+  const double median = quantile(differences, 0.5);
+  return static_cast<float>(deviation_from_median(median) / std::sqrt(6.0));
+}
+
 constexpr glm::vec3 background(0.105F, 0.115F, 0.135F);
 
 /// Indexed by PointColour.
@@ -139,8 +160,12 @@ Range robust_range(const Image<float>& values) {
 CloudExtent extent_of(const PointImages& cloud) {
   const Range x = robust_range(cloud.x), y = robust_range(cloud.y), z = robust_range(cloud.z);
 
-  CloudExtent extent{.box = {{x.low, y.low, z.low}, {x.high, y.high, z.high}}};
+  CloudExtent extent{.box = {{x.low, y.low, z.low}, {x.high, y.high, z.high}}, .depths = z};
+  std::vector<float> depths = finite_values(cloud.z, stride_over(cloud.z.pixel_count()));
+  if (!depths.empty()) std::tie(extent.depths.low, extent.depths.high) = range_of_object(depths);
+
   extent.spacing = std::max(spacing_of(cloud, extent.box), 1e-6F);
+  extent.noise = noise_of(cloud.z);
   return extent;
 }
 
@@ -171,7 +196,7 @@ SceneRenderer::SceneRenderer()
 }
 
 Range SceneRenderer::depths() const {
-  const float low = extent_.box.low.z, high = extent_.box.high.z;
+  const auto [low, high] = extent_.depths;
   const float margin = 0.04F * (high - low) + 1e-4F;
   return {low - margin, high + margin};
 }
@@ -287,6 +312,9 @@ void SceneRenderer::draw_view(const ViewSettings& settings, double ambient, cons
   glViewport(pane.left, 0, picture.width, picture.height);
 
   draw_points(settings, ambient, picture, false);
+  if (settings.shaded) {
+    edges_.draw(pane, 1.5F * pixel_ratio, extent_.noise / settings.camera.distance);
+  }
   if (settings.reflection) draw_points(settings, ambient, picture, true);
 
   const glm::mat4 clip = clip_matrix(settings.camera, picture);

@@ -6,6 +6,7 @@
 #include <glm/mat3x3.hpp>
 
 #include "slipstream/viewer.h"
+#include "view/edge_shading.h"
 #include "view/lines.h"
 #include "view/opengl.h"
 #include "view/orbit_camera.h"
@@ -31,7 +32,9 @@ Range robust_range(const Image<float>& values);
 /// Position and density of a cloud, robust against a few outliers.
 struct CloudExtent {
   Box box;            ///< robust_range in each direction
+  Range depths;       ///< of the object, without a background far behind it
   float spacing = 1;  ///< distance between neighbouring points along the surface, mm
+  float noise = 0;  ///< standard deviation of depth between neighbours, mm; 0 for a list of points
 };
 
 /// An empty cloud gives a box of one millimetre.
@@ -39,12 +42,6 @@ CloudExtent extent_of(const PointImages& cloud);
 
 /// Y of the floor, mm: slightly under the cloud, so that it does not cut the object.
 float floor_height(const CloudExtent& extent);
-
-/// A part of the framebuffer from its lower edge up, in pixels.
-struct Pane {
-  int left = 0;
-  Size size;
-};
 
 /// Draws the cloud with floor, reflection and axes. Its images are uploaded unchanged: the shader
 /// skips invalid pixels.
@@ -59,7 +56,8 @@ class SceneRenderer {
   /// Extent that places the floor, the axes and the depth colours.
   void set_extent(const CloudExtent& extent) { extent_ = extent; }
   [[nodiscard]] const CloudExtent& extent() const { return extent_; }
-  /// Range of the depth colours, mm: slightly more than the extent, so that its ends differ.
+  /// Range of the depth colours, mm: slightly more than the extent's, so that its ends differ.
+  /// Points beyond have the colours of its ends.
   [[nodiscard]] Range depths() const;
 
   /// Whether points show depth: if requested, or if nothing else is known, as for a plain mesh.
@@ -85,6 +83,7 @@ class SceneRenderer {
   bool organised_ = false, shaded_ = false;
   bool in_colour_ = false;  ///< its values are colours
   LineRenderer lines_;
+  EdgeShading edges_;
   CloudExtent extent_;
   glm::mat3 directions_{1};
   Range values_;  ///< shown by grey points

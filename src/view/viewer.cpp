@@ -16,16 +16,23 @@
 namespace slipstream::view {
 namespace {
 
-ShownCloud reconstructed(const std::shared_ptr<const FrameSet>& frames, const EngineSetup& setup,
-                         const Image<Colour>& colour) {
-  const auto made = std::make_shared<std::pair<Cloud, std::shared_ptr<const FrameSet>>>();
+ShownCloud reconstructed(const std::shared_ptr<const StillScan>& scan, const EngineSetup& setup) {
+  const auto made = std::make_shared<std::pair<Cloud, std::shared_ptr<const StillScan>>>();
 
-  made->second = frames;
-  Engine(setup).cloud(*frames, made->first);
-  if (made->first.z.size() == colour.size()) made->first.colour = colour;
+  made->second = scan;
+  Engine(setup).cloud(scan->frames, made->first);
+  if (made->first.z.size() == scan->colour.size()) made->first.colour = scan->colour;
 
-  return {.cloud = {made, &made->first}, .frames = *frames};
+  return {
+      .cloud = {made, &made->first}, .frames = scan->frames.views(), .findings = scan->findings};
 }
+
+/// The scan that is shown, and how it was reconstructed.
+struct ShownScan {
+  std::shared_ptr<const StillScan> scan;
+  EngineSetup setup;
+  ShownCloud shown = reconstructed(scan, setup);
+};
 
 using Gammas = decltype(ViewSource::gammas);
 
@@ -129,16 +136,26 @@ ViewSource still_source(Cloud cloud, std::optional<Uncertainty> uncertainty) {
   return {.newest = [shown] { return shown; }};
 }
 
-ViewSource still_source(FrameSet frames, const EngineSetup& setup, Image<Colour> colour) {
-  const auto kept = std::make_shared<const FrameSet>(std::move(frames));
-  const auto kept_colour = std::make_shared<const Image<Colour>>(std::move(colour));
-  const auto shown = std::make_shared<ShownCloud>(reconstructed(kept, setup, *kept_colour));
-  return {.newest = [shown] { return *shown; },
-          .setup = setup,
-          .change =
-              [kept, kept_colour, shown](const EngineSetup& other) {
-                *shown = reconstructed(kept, other, *kept_colour);
-              }};
+ViewSource still_source(StillScan scan, const EngineSetup& setup,
+                        std::function<StillScan(std::size_t)> scan_at) {
+  const auto kept = std::make_shared<const StillScan>(std::move(scan));
+  const auto shown = std::make_shared<ShownScan>(ShownScan{kept, setup});
+
+  ViewSource source{.newest = [shown] { return shown->shown; },
+                    .setup = setup,
+                    .change =
+                        [shown](const EngineSetup& other) {
+                          *shown = ShownScan{shown->scan, other};
+                        }};
+
+  if (scan_at) {
+    source.show_scan = [shown, scan_at = std::move(scan_at)](std::size_t number) {
+      const auto read = std::make_shared<const StillScan>(scan_at(number));
+      *shown = ShownScan{read, shown->setup};
+    };
+  }
+
+  return source;
 }
 
 ViewSource live_source(LivePipeline& pipeline, const EngineSetup& setup, bool patterns_can_change) {

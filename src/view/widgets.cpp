@@ -27,6 +27,14 @@ bool large_button(const char* name) {
   return pressed;
 }
 
+void tell_help(const char* help) {
+  if (!ImGui::IsItemHovered()) return;
+
+  ImGui::SetNextWindowPos(
+      {ImGui::GetWindowPos().x + ImGui::GetWindowWidth(), ImGui::GetItemRectMin().y});
+  ImGui::SetTooltip("%s", help);
+}
+
 void row(const char* name, const std::string& value, const ImVec4& colour) {
   ImGui::TableNextRow();
 

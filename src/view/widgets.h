@@ -33,6 +33,10 @@ void name_field(const char* name);
 /// A large button across the panel.
 bool large_button(const char* name);
 
+/// Explains the item drawn last while the mouse is on it, beside the panel, where it covers no
+/// message.
+void tell_help(const char* help);
+
 /// Draws a row of a table with two columns.
 void row(const char* name, const std::string& value, const ImVec4& colour = white);
 

@@ -51,6 +51,24 @@ TEST(PlotFile, ShowsLinesBarsAndMaps) {
   EXPECT_GT(coloured_pixels(path), 100);
 }
 
+TEST(PlotFile, CropsADepthPreviewToItsPoints) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "preview.png";
+  const auto width_of = [&](int from, int to) {
+    Cloud cloud({400, 300});
+    for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
+      if (column < from || column >= to) return;
+      cloud.x(column, row) = cloud.y(column, row) = 0;
+      cloud.z(column, row) = 500 + static_cast<float>(row);
+      cloud.validity(column, row) = Validity::valid;
+    });
+    write_depth_preview(path, cloud);
+    return cv::imread(path.string()).cols;
+  };
+  EXPECT_EQ(width_of(0, 400) - width_of(150, 200), 350);
+  EXPECT_EQ(width_of(0, 0), width_of(0, 400)) << "without points, the whole picture";
+}
+
 TEST(PlotFile, NoLegendHidesACurve) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "plot.png";

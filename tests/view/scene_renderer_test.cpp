@@ -225,6 +225,32 @@ TEST_F(SceneRendererOffScreen, LightensSlopesTowardsTheLight) {
   EXPECT_GT(brightness_of_slope(-0.4F), brightness_of_slope(0) + 20);
 }
 
+TEST_F(SceneRendererOffScreen, DarkensASurfaceBesideANearerOne) {
+  MadeUpCloud cloud = wall({160, 120}, 600);
+  std::fill(cloud.intensity.begin(), cloud.intensity.end(), 200.0F);
+  for (int row = 0; row < 120; ++row) {
+    for (int column = 80; column < 160; ++column) cloud.z(column, row) = 650;
+  }
+
+  ViewSettings settings = bare();
+  settings.colour = PointColour::reflectivity;
+  settings.point_size = 3;
+  const CloudExtent extent = extent_of(cloud.images());
+  const Image<Colour> plain = drawn(cloud, settings, extent);
+  settings.shaded = true;
+  const Image<Colour> shaded = drawn(cloud, settings, extent);
+
+  // The farther one begins right of the middle.
+  int darkest = brightness(plain(164, 120));
+  for (int column = 160; column < 168; ++column) {
+    darkest = std::min(darkest, brightness(shaded(column, 120)));
+  }
+  EXPECT_LT(darkest, brightness(plain(164, 120)) / 2);
+  EXPECT_EQ(shaded(200, 120), plain(200, 120)) << "a plane keeps its brightness";
+  EXPECT_EQ(shaded(140, 120), plain(140, 120)) << "and so does the nearer one";
+  EXPECT_EQ(shaded(5, 5), plain(5, 5)) << "and the background";
+}
+
 TEST_F(SceneRendererOffScreen, DrawsThreeViewsSideBySide) {
   const MadeUpCloud cloud = wall({160, 120}, 600);
   ViewSettings settings = bare();

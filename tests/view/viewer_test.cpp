@@ -8,12 +8,15 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <GLFW/glfw3.h>
 #include <gtest/gtest.h>
 
+#include "slipstream/cloud_file.h"
 #include "slipstream/error.h"
 #include "slipstream/image.h"
+#include "tests/io/temporary_folder.h"
 #include "tests/view/desktop.h"
 #include "tests/view/made_up_cloud.h"
 #include "tests/view/off_screen.h"
@@ -176,10 +179,57 @@ TEST_F(ViewerCloudScreen, SaysWhyThereAreNoPoints) {
 TEST_F(ViewerCloudScreen, HasAScaleOfDepth) {
   CloudScreen clouds(source_, {.colour = PointColour::depth}, nullptr);
   clouds.take_newest();
-  const Image<Colour> image = drawn(clouds, screen({900, 500}));
-  for (const Colour& end : {depth_colours().front(), depth_colours().back()}) {
-    EXPECT_GT(std::count(image.begin() + 900 * 200, image.end(), end), 10);
+  for (const bool with_panel : {true, false}) {
+    clouds.state().shown = with_panel;
+    const Image<Colour> image = drawn(clouds, screen({900, 500}));
+    for (const Colour& end : {depth_colours().front(), depth_colours().back()}) {
+      EXPECT_GT(std::count(image.begin() + 900 * 200, image.end(), end), 10) << with_panel;
+    }
   }
+}
+
+TEST_F(ViewerCloudScreen, StepsThroughARecordingAndPlaysIt) {
+  std::vector<std::size_t> chosen;
+  source_.statistics = nullptr;
+  source_.scans = 3;
+  source_.show_scan = [&](std::size_t number) {
+    if (number == 2) throw Error("frames are missing");
+    chosen.push_back(number);
+  };
+
+  CloudScreen clouds(source_, {}, nullptr);
+  clouds.take_newest();
+  const auto press = [&](int key) {
+    clouds.press(key);
+    drawn(clouds, screen({900, 500}));
+    return clouds.state().scan;
+  };
+  EXPECT_EQ(press(GLFW_KEY_RIGHT), 1U);
+  EXPECT_EQ(press(GLFW_KEY_RIGHT), 2U);
+  EXPECT_EQ(clouds.state().message, "frames are missing");
+  EXPECT_EQ(press(GLFW_KEY_RIGHT), 0U) << "the first follows the last";
+  EXPECT_EQ(chosen, (std::vector<std::size_t>{1, 0}));
+
+  press(GLFW_KEY_SPACE);
+  EXPECT_TRUE(clouds.take_newest());
+  EXPECT_EQ(clouds.state().scan, 1U) << "plays";
+  EXPECT_EQ(press(GLFW_KEY_LEFT), 0U);
+  EXPECT_FALSE(clouds.state().plays) << "a step ends it";
+}
+
+TEST_F(ViewerCloudScreen, WritesTheCloudShownInTheFormatOfTheEnding) {
+  const TemporaryFolder folder;
+  CloudScreen clouds(source_, {}, nullptr);
+  clouds.take_newest();
+  for (const char* const name : {"cloud.ply", "surface.stl"}) {
+    const std::string path = (folder.path() / name).string();
+    clouds.take_file({FileQuestion::save, path});
+    EXPECT_EQ(clouds.state().message, "saved: " + path);
+    EXPECT_EQ(point_count(read_cloud(path).cloud), 64U * 48) << name;
+  }
+
+  clouds.take_file({FileQuestion::save, (folder.path() / "cloud.las").string()});
+  EXPECT_NE(clouds.state().message.find(".las"), std::string::npos) << clouds.state().message;
 }
 
 TEST_F(ViewerCloudScreen, OpensAnotherFileOrSaysWhyNot) {

@@ -4,7 +4,8 @@
 
 namespace slipstream::app {
 
-/// Adds `frame points`, `frame planes` and `frame board`, which find the pose of a frame in a scan.
+/// Adds `frame points`, `frame planes`, `frame board` and `frame marker`, which find the pose of a
+/// frame in a scan.
 void add_found_frames(const Commands& frame);
 
 }  // namespace slipstream::app

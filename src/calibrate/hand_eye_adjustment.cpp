@@ -260,6 +260,12 @@ Eigen::Isometry3d predicted_board(const Eigen::Isometry3d& robot, const HandEyeP
   return poses.camera.inverse() * between_carriers(robot, place) * poses.board;
 }
 
+Eigen::Isometry3d robot_for(const Eigen::Isometry3d& board, const HandEyePoses& poses,
+                            EyePlace place) {
+  if (place == EyePlace::in_hand) return poses.board * board.inverse() * poses.camera.inverse();
+  return poses.camera * board * poses.board.inverse();
+}
+
 PoseError error_of(const PosePair& pair, const HandEyePoses& poses, EyePlace place) {
   const Eigen::Isometry3d predicted = predicted_board(pair.robot, poses, place);
   PoseError error;

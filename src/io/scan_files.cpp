@@ -458,6 +458,7 @@ std::uint32_t checksum_of(const ScanFiles& scan) {
   }
 
   if (scan.white) files.push_back(*scan.white);
+  if (scan.colour_scanner) files.push_back(*scan.colour_scanner);
   files.insert(files.end(), scan.colour.begin(), scan.colour.end());
   if (fs::exists(scan.path / "scan.yaml")) files.push_back(scan.path / "scan.yaml");
   if (scan.scanner) {

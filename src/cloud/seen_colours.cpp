@@ -15,7 +15,7 @@ struct SeenPlace {
   float x, y, depth;
 };
 
-/// NaN where there is no point before the camera.
+/// NaN if there is no point, or it is behind the camera.
 Image<SeenPlace> places_in(const Cloud& cloud, const Lens& lens, const Eigen::Isometry3d& pose) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   Image<SeenPlace> places(cloud.size(), SeenPlace{nan, nan, nan});

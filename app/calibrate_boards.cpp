@@ -361,7 +361,7 @@ void add_calibrate(const Commands& program) {
        {add_calibrate_board, add_calibrate_geometry, add_calibrate_points, add_calibrate_verify,
         add_calibrate_gamma, add_calibrate_ambient, add_calibrate_noise, add_calibrate_colour,
         add_calibrate_height, add_calibrate_residual, add_calibrate_hand_eye, add_calibrate_touch,
-        add_calibrate_stitch, add_calibrate_virtual_robot}) {
+        add_calibrate_projection, add_calibrate_stitch, add_calibrate_virtual_robot}) {
     add(calibrate);
   }
 }

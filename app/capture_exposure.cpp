@@ -161,11 +161,16 @@ CaptureFlags with_chosen_exposures(const CaptureFlags& flags, Output& output) {
   const ChosenExposures chosen =
       choose_exposures(take_next, known, limits, {}, [&] { return !half.reached(); });
 
-  // 2. The choice.
-  const char* const unit = scheme_of(flags.source.source) == "virtual" ? "" : " ms";
+  // 2. The choice, and how to keep it.
+  const bool is_virtual = scheme_of(flags.source.source) == "virtual";
+  const char* const unit = is_virtual ? "" : " ms";
   output.say("exposures {:.3g}{}: {:.1f} % of the lit pixels, by scans with {:.3g}",
              fmt::join(chosen.exposures, ","), unit, 100 * chosen.measured,
              fmt::join(chosen.tried, ", "));
+  const bool is_one = !is_virtual && chosen.exposures.size() == 1;
+  output.say("the same in a rig file: {}",
+             is_one ? fmt::format("exposure: {:.4g}", chosen.exposures.front())
+                    : fmt::format("exposures: [{:.4g}]", fmt::join(chosen.exposures, ", ")));
   output.document["automatic"] = described("exposures", chosen.exposures, "tried", chosen.tried,
                                            "lit", chosen.lit, "measured", chosen.measured);
   return with_exposures(flags, chosen.exposures);

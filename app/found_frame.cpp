@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/ranges.h>
+
 #include "app/board_flags.h"
 #include "app/commands.h"
 #include "app/frame.h"
@@ -14,8 +16,10 @@
 #include "base/statistics.h"
 #include "calibrate/board_corners.h"
 #include "calibrate/first_guess.h"
+#include "calibrate/marker_pose.h"
 #include "cloud/plane_frame.h"
 #include "geometry/point_fit.h"
+#include "io/file.h"
 #include "io/image_file.h"
 #include "slipstream/measure.h"
 #include "slipstream/scan_files.h"
@@ -46,6 +50,16 @@ struct BoardPoseFlags {
   std::string input;
   BoardFlags board;
   std::string name = "board";
+  ScanFlags scan;
+  PoseOutputFlags output;
+};
+
+struct MarkerPoseFlags {
+  std::string input;
+  Markers markers = Markers::april_36h11;
+  double side = 0;  ///< mm
+  std::optional<int> number;
+  std::string name = "marker";
   ScanFlags scan;
   PoseOutputFlags output;
 };
@@ -154,33 +168,32 @@ void find_by_planes(const PlanesFlags& flags, Output& output) {
              as_json(planes, [](const FittedPlane& plane) { return plane.residuals.rms; }));
 }
 
-/// The pictures in which the board is looked for, and the lens that took them.
-struct BoardPicture {
+/// The scene of a scan without fringes, and the lens that took it.
+struct SeenPicture {
   FringeFreePictures pictures;
   Lens lens;
 };
 
-BoardPicture board_picture(const BoardPoseFlags& flags, Output& output) {
+SeenPicture picture_in(const std::string& input, const ScanFlags& flags, Output& output) {
   // A folder of a board's pose has a scan along each axis; both show the board.
-  std::string path = flags.input;
+  std::string path = input;
   for (const char* const scan : {"x", "x.slip"}) {
-    const fs::path along_x = fs::path(flags.input) / scan;
-    if (fs::is_directory(flags.input) && fs::exists(along_x)) path = along_x.string();
+    const fs::path along_x = fs::path(input) / scan;
+    if (fs::is_directory(input) && fs::exists(along_x)) path = along_x.string();
   }
 
-  const Scan scan = load_checkable(path, flags.scan, false, output);
+  const Scan scan = load_checkable(path, flags, false, output);
   throw_if(!scan.scanner || !has_geometry(*scan.scanner),
-           "{}: no scanner is known, whose camera sees the board; name its file with --scanner",
-           flags.input);
+           "{}: no scanner is known, whose camera took it; name its file with --scanner", input);
   const Lens& lens = scan.scanner->camera;
   throw_if(lens.size != scan.frames.size(), "{}: pictures of {}, but the scanner's camera has {}",
-           flags.input, text_of(scan.frames.size()), text_of(lens.size));
+           input, text_of(scan.frames.size()), text_of(lens.size));
   return {fringe_free_pictures(scan.frames, scan.frames), lens};
 }
 
 void find_by_board(const BoardPoseFlags& flags, Output& output) {
   const CalibrationBoard board = board_from(flags.board);
-  const BoardPicture seen = board_picture(flags, output);
+  const SeenPicture seen = picture_in(flags.input, flags.scan, output);
 
   // 1. The corners.
   const std::optional<BoardCorners> corners = find_board(board, seen.pictures);
@@ -209,6 +222,47 @@ void find_by_board(const BoardPoseFlags& flags, Output& output) {
              corners->detector, rms);
   output.say("  its x runs along a row, y from row to row, z away from the camera");
   output.add("corners", view.places.size(), "rms_px", rms);
+}
+
+/// The marker with the number of the flags, or the only one.
+SeenMarker marker_in(const Image<float>& picture, const MarkerPoseFlags& flags) {
+  std::vector<SeenMarker> seen = find_markers(flags.markers, picture);
+  if (flags.number) {
+    std::erase_if(seen, [&](const SeenMarker& one) { return one.number != *flags.number; });
+  }
+  throw_if(seen.empty(),
+           "{}: no marker{} of {} is visible; likely another --family, no white margin, or a "
+           "picture that is dark or out of focus",
+           flags.input, flags.number ? fmt::format(" {}", *flags.number) : "",
+           name_of(flags.markers));
+
+  std::vector<int> numbers;
+  for (const SeenMarker& one : seen) numbers.push_back(one.number);
+  throw_if(seen.size() > 1, "{}: {} markers are visible, {}; {}", flags.input, seen.size(),
+           fmt::join(numbers, ", "),
+           flags.number ? "cover all but one" : "choose one with --number");
+  return seen.front();
+}
+
+void find_by_marker(const MarkerPoseFlags& flags, Output& output) {
+  const SeenPicture seen = picture_in(flags.input, flags.scan, output);
+  const Image<float>& picture = seen.pictures.mean;
+  const SeenMarker marker = marker_in(picture, flags);
+  const MarkerPose found = naming(fmt::format("{}: marker {}", flags.input, marker.number), [&] {
+    return marker_pose(flags.markers, marker, flags.side, picture, seen.lens);
+  });
+
+  put_pose(camera_to(flags.name, found.pose.inverse()), flags.output, output);
+  const Eigen::Vector3d& off = found.translation_deviation;
+  const Eigen::Vector3d turn = found.rotation_deviation / degree;
+  output.say("marker {}: {:.3f} pixels RMS along its sides", marker.number, found.rms);
+  output.say("  standard deviation: x {:.3f}, y {:.3f}, z {:.3f} mm in the camera's frame;",
+             off.x(), off.y(), off.z());
+  output.say("  about its own x {:.3f}, y {:.3f}, z {:.3f} degrees", turn.x(), turn.y(), turn.z());
+  output.say("  its x runs right and y down as printed, z away from the camera");
+  output.add("marker", marker.number, "rms_px", found.rms, "translation_deviation_mm",
+             std::array{off.x(), off.y(), off.z()}, "rotation_deviation_degrees",
+             std::array{turn.x(), turn.y(), turn.z()});
 }
 
 void add_name_flag(const FlagGroup& group, std::string& name) {
@@ -257,6 +311,20 @@ void add_found_frames(const Commands& frame) {
   board.examples(
       {"frame board boards/board01 --corners 13x9 --spacing 15 --scanner scanner.yaml "
        "-o board.yaml"});
+
+  // 4. slipstream frame marker
+  const auto [marker, by_marker] =
+      frame.add(find_by_marker, "marker", "find the frame of an AprilTag or ArUco marker in view");
+  required(marker.add_file("input", by_marker.input, "a scan folder or a recording of the marker"));
+  required(marker.add("--side", by_marker.side, "side of the marker's black square, mm"));
+  marker.add("--number", by_marker.number, "the marker's number, if several are in view");
+  marker.add_named("--family", by_marker.markers, markers_named, name_of(by_marker.markers),
+                   "36h11, 36h10, 25h9 or 16h5 of AprilTag; 4x4, 5x5, 6x6 or 7x7 of ArUco");
+  add_name_flag(marker, by_marker.name);
+  add_pose_output_flags(marker, by_marker.output);
+  add_scan_input_flags(marker.app, by_marker.scan);
+  marker.examples(
+      {"frame marker boards/board01 --family 4x4 --number 2 --side 30 --scanner scanner.yaml"});
 }
 
 }  // namespace slipstream::app

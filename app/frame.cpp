@@ -108,7 +108,7 @@ void add_frame(const Commands& program) {
   add_pose_output_flags(compose, composed.output);
   compose.examples({"frame compose flange.yaml base.yaml -o camera-in-base.yaml"});
 
-  // 2. slipstream frame points, planes, board
+  // 2. slipstream frame points, planes, board, marker
   add_found_frames(frame);
 }
 

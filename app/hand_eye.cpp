@@ -10,19 +10,17 @@
 
 #include "app/calibrate_boards.h"
 #include "app/commands.h"
+#include "app/hand_eye.h"
 #include "app/scan_flags.h"
 #include "base/numbers.h"
 #include "calibrate/hand_eye_boards.h"
 #include "calibrate/hand_eye_report.h"
 #include "calibrate/report.h"
-#include "calibrate/touch_test.h"
 #include "calibrate/virtual_robot.h"
-#include "cloud/stitching.h"
 #include "io/image_file.h"
 #include "io/pose_file.h"
 #include "io/pose_table_file.h"
 #include "io/scan_pictures.h"
-#include "slipstream/cloud_file.h"
 #include "slipstream/scanner_file.h"
 
 namespace slipstream::app {
@@ -43,8 +41,6 @@ const char* const convention_help =
     "known parts of the robot's convention; the rest is found: a robot (abb, doosan, fanuc, "
     "franka, kawasaki, kuka, ur, yaskawa) or parts such as 'intrinsic zyx in degrees, mm, tool to "
     "base'";
-const char* const columns_help =
-    "names of the file's columns if it has none, e.g. name,x,y,z,rx,ry,rz; - ignores one";
 
 struct HandEyeFlags {
   std::string robot, boards, columns, robot_convention, board_convention, output;
@@ -169,7 +165,11 @@ void calibrate_robot(const HandEyeFlags& flags, Output& output) {
   if (flags.report) {
     const fs::path folder = *flags.report;
     write_page(folder / "report.html", hand_eye_report(found, &with_flags));
-    write_file(folder / "residuals.yaml", residuals_yaml(found));
+    // JSON is YAML, too.
+    write_file(
+        folder / "residuals.yaml",
+        output.document["poses"].dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
+            '\n');
     output.say("report: {}", (folder / "report.html").string());
     output.document["report"] = *flags.report;
   }
@@ -178,144 +178,6 @@ void calibrate_robot(const HandEyeFlags& flags, Output& output) {
   output.say("{}", verdict_of(found.findings).words);
   output.say("camera to {}: {}", carrier_of_camera(flags.place), flags.output);
   output.document["output"] = flags.output;
-}
-
-/// The hand-eye pose of a file.
-struct ReadHandEye {
-  EyePlace place;
-  Eigen::Isometry3d camera;  ///< to tool or base
-};
-
-ReadHandEye read_hand_eye(const std::string& file) {
-  const FramePose pose = pose_from_frame(read_pose(file), camera_frame);
-  throw_if(
-      pose.to != "tool" && pose.to != "base",
-      "{} leads from the camera to {}; expected the pose of calibrate hand-eye, to tool or base",
-      file, pose.to);
-  return {pose.to == "tool" ? EyePlace::in_hand : EyePlace::to_hand, pose.transform};
-}
-
-struct RobotPoseFlags {
-  std::string columns, robot_convention;
-};
-
-void add_robot_pose_flags(const FlagGroup& command, RobotPoseFlags& flags) {
-  required(command.add("--robot-convention", flags.robot_convention,
-                       "convention of the robot's poses, as `calibrate hand-eye` prints it"));
-  command.add("--table-columns", flags.columns, columns_help);
-}
-
-/// The poses, tool to base, of a file whose convention is known.
-std::vector<Eigen::Isometry3d> read_robot_poses(const std::string& file,
-                                                const RobotPoseFlags& flags) {
-  const PoseTable table = read_pose_table(file, flags.columns);
-  const auto conventions =
-      conventions_of(table.rows.front().size(), robot_frames, flags.robot_convention);
-  throw_if(conventions.size() != 1,
-           "--robot-convention '{}' leaves several readings, for example '{}' and '{}'; give all "
-           "parts, as calibrate hand-eye prints them",
-           flags.robot_convention, name_of(conventions.front(), robot_frames),
-           name_of(conventions.back(), robot_frames));
-
-  std::vector<Eigen::Isometry3d> poses;
-  for (const auto& pose : poses_of(table, conventions.front())) {
-    throw_if(!pose, "{}: pose {} is none in this convention", file, poses.size() + 1);
-    poses.push_back(*pose);
-  }
-  return poses;
-}
-
-struct TouchFlags {
-  std::string hand_eye, points, touched, tip;
-  std::optional<std::string> view;
-  RobotPoseFlags robot;
-  double tolerance = 0.5;
-};
-
-void test_touch(const TouchFlags& flags, Output& output) {
-  const ReadHandEye hand_eye = read_hand_eye(flags.hand_eye);
-  const std::vector<double> tip = numbers_in<double>(flags.tip, ',');
-  throw_if(tip.size() != 3, "--tip '{}': expected x,y,z of the tip in the tool's frame, mm",
-           flags.tip);
-
-  // 1. Where the camera was.
-  Eigen::Isometry3d camera = hand_eye.camera;
-  if (hand_eye.place == EyePlace::in_hand) {
-    throw_if(!flags.view, "--view is missing: the robot's pose when the points were measured");
-    camera = read_robot_poses(*flags.view, flags.robot).front() * camera;
-  }
-
-  // 2. The points by both.
-  const StoredPoints stored = read_points(flags.points);
-  if (stored.frame) {
-    throw Error(fmt::format("{}: its points are in the frame {}; give them in the camera's",
-                            flags.points, stored.frame->to));
-  }
-
-  std::vector<Eigen::Vector3d> points;
-  for (const StoredPoint& point : stored.points) points.emplace_back(point.x, point.y, point.z);
-  const TouchTest test = touch_test(points, camera, read_robot_poses(flags.touched, flags.robot),
-                                    {tip[0], tip[1], tip[2]});
-
-  for (std::size_t i = 0; i < test.differences.size(); ++i) {
-    output.say("point {}: camera less tip {}", i + 1, signed_text_of(test.differences[i]));
-    const Eigen::Vector3d& of = test.differences[i];
-    output.list("differences_mm").push_back(std::array{of.x(), of.y(), of.z()});
-  }
-  const std::string error =
-      test.standard_error.allFinite()
-          ? fmt::format(", standard error {:.3f} mm", test.standard_error.norm())
-          : "";
-  output.say("mean: {} in the base{}", signed_text_of(test.mean), error);
-
-  const Verdict verdict = verdict_of(test, flags.tolerance);
-  output.say("{}", verdict.words);
-  output.add("mean_mm", std::array{test.mean.x(), test.mean.y(), test.mean.z()},
-             "standard_error_mm", test.standard_error.norm(), "rms_mm", test.rms, "largest_mm",
-             test.largest, "grade", verdict.grade, "verdict", verdict.words);
-  if (verdict.grade == std::string_view("bad")) output.exit_code = 2;
-}
-
-struct StitchFlags {
-  std::string hand_eye, first, second, poses, scanner;
-  RobotPoseFlags robot;
-  double tolerance = 0.5;
-};
-
-void test_stitching(const StitchFlags& flags, Output& output) {
-  const ReadHandEye hand_eye = read_hand_eye(flags.hand_eye);
-  const std::vector<Eigen::Isometry3d> robot = read_robot_poses(flags.poses, flags.robot);
-  throw_if(robot.size() != 2, "{} has {} poses; expected those of the two views", flags.poses,
-           robot.size());
-
-  // 1. Both cameras in the frame in which the scene rests: the base, or the tool that carries it.
-  const bool carried = hand_eye.place == EyePlace::to_hand;
-  const Eigen::Isometry3d first = (carried ? robot[0].inverse() : robot[0]) * hand_eye.camera;
-  const Eigen::Isometry3d second = (carried ? robot[1].inverse() : robot[1]) * hand_eye.camera;
-
-  // 2. The views on each other.
-  const Stitching found = stitched(read_cloud(flags.first).cloud, read_cloud(flags.second).cloud,
-                                   read_scanner(flags.scanner).camera, first.inverse() * second);
-  const Eigen::Matrix3d to_base = carried ? hand_eye.camera.linear() : first.linear();
-  const Eigen::Vector3d offset = to_base * found.offset;
-
-  output.say("{} shared points: median distance {:.3f} mm, 95th percentile {:.3f} mm", found.points,
-             found.median, found.percentile_95);
-  output.say(
-      "the second view lies off the first by {} in the base, turned by {:.4f} degrees; "
-      "without that {:.3f} mm remain",
-      signed_text_of(offset), found.rotation / degree, found.left_median);
-
-  const bool good = offset.norm() <= flags.tolerance;
-  const std::string verdict =
-      good ? fmt::format("Good: the views meet within {:.3f} mm.", offset.norm())
-           : fmt::format("Calibrate again: the views are {:.3f} mm apart.", offset.norm());
-  output.say("{}", verdict);
-  output.add("points", found.points, "median_mm", found.median, "percentile_95_mm",
-             found.percentile_95, "offset_mm", std::array{offset.x(), offset.y(), offset.z()},
-             "rotation_degrees", found.rotation / degree, "left_median_mm", found.left_median,
-             "grade", good ? "good" : "bad", "verdict", verdict);
-  if (!good) output.exit_code = 2;
 }
 
 struct VirtualRobotFlags {
@@ -425,36 +287,6 @@ void add_calibrate_hand_eye(const Commands& calibrate) {
   command.common({"--eye", "--output", "--report", "--robot-convention", "--scanner", "--corners",
                   "--spacing"});
   command.examples({"calibrate hand-eye robot.csv boards.csv --eye in-hand -o camera.yaml"});
-}
-
-void add_calibrate_touch(const Commands& calibrate) {
-  const auto [command, flags] = calibrate.add(
-      test_touch, "touch", "check a hand-eye pose: a tip on points that the camera measured");
-  required(command.add_file("hand-eye", flags.hand_eye, "pose file of calibrate hand-eye"));
-  required(command.add_file("--points", flags.points,
-                            "the points in the camera's frame, mm: .xyz, .csv, .ply, ..."));
-  required(command.add_file("--touched", flags.touched,
-                            "the robot's poses with the tip on each point, in the same order"));
-  required(command.add("--tip", flags.tip, "the tip in the tool's frame, mm: x,y,z"));
-  command.add_file("--view", flags.view,
-                   "the robot's pose when the points were measured, if the camera is on the tool");
-  add_robot_pose_flags(command, flags.robot);
-  command.add("--tolerance", flags.tolerance, "largest error, mm");
-  command.examples(
-      {"calibrate touch camera.yaml --points points.xyz --touched touched.csv --view "
-       "view.csv --tip 0,0,150 --robot-convention 'kuka, mm, tool to base'"});
-}
-
-void add_calibrate_stitch(const Commands& calibrate) {
-  const auto [command, flags] = calibrate.add(
-      test_stitching, "stitch", "check a hand-eye pose: two views of one scene must meet");
-  required(command.add_file("hand-eye", flags.hand_eye, "pose file of calibrate hand-eye"));
-  required(command.add_file("first", flags.first, "cloud of the first view: .pcd"));
-  required(command.add_file("second", flags.second, "cloud of the second view: .pcd"));
-  required(command.add_file("--poses", flags.poses, "the robot's poses at both views"));
-  required(command.add_file("--scanner", flags.scanner, "scanner file of the clouds"));
-  add_robot_pose_flags(command, flags.robot);
-  command.add("--tolerance", flags.tolerance, "largest distance between the views, mm");
 }
 
 void add_calibrate_virtual_robot(const Commands& calibrate) {

@@ -5,11 +5,21 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "slipstream/frame_set.h"
 #include "slipstream/scanner.h"
 #include "slipstream/sequence.h"
 
 namespace slipstream {
+
+/// A camera beside the scanner that took only a picture of the scene's colours.
+struct ColourCamera {
+  Image<Colour> picture{};  ///< sRGB
+  Lens lens{};
+  /// From the frame of the scan's camera to its own, mm.
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+};
 
 /// Frames with their sequence and scanner: from a folder, a recording or the virtual scanner.
 struct Scan {
@@ -33,6 +43,8 @@ struct Scan {
   std::vector<Scan> further_cameras{};
   /// Colours of the first camera's pixels, sRGB; empty if unknown.
   Image<Colour> colour{};
+  /// If another camera took the colours, see colours_seen_by; `colour` is then empty.
+  std::optional<ColourCamera> colour_camera{};
 
   std::vector<std::string> warnings{};  ///< about reading the frames, for the user
 };

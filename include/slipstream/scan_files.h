@@ -46,6 +46,9 @@ struct ScanFiles {
   /// Colours of the points: a colour picture, or three grey ones under red, green and blue light.
   /// Empty: the mean of the frames, if these are in colour.
   std::vector<std::filesystem::path> colour{};
+  /// Scanner file of the camera that took `colour`, if it is another than the scan's: of that
+  /// camera and the same projector, or of the scan's camera and that one as a pair.
+  std::optional<std::filesystem::path> colour_scanner{};
   /// A place of one grey, by which the colours are balanced instead of the scanner's white balance.
   std::optional<Rectangle> grey_patch{};
 

@@ -39,17 +39,6 @@ void add_frames(const FrameViews& frames, FringeFreePictures& pictures, int tota
   });
 }
 
-/// Stretches the contrast from the 1st to the 99.5th percentile over 8 bits, for the detectors.
-cv::Mat stretched(const cv::Mat& picture) {
-  std::vector<float> values(picture.begin<float>(), picture.end<float>());
-  const double low = quantile(values, 0.01),
-               high = std::max<double>(quantile(values, 0.995), low + 1);
-
-  cv::Mat grey;
-  picture.convertTo(grey, CV_8U, 255 / (high - low), -low * 255 / (high - low));
-  return grey;
-}
-
 /// Smallest distance between two corners, pixels.
 double least_distance(const Corners& corners) {
   double least = 1e9;

@@ -52,18 +52,14 @@ cv::Mat drawn_circles(const CalibrationBoard& board, int pixels_per_spacing) {
 
 cv::Mat drawn_charuco(const CalibrationBoard& board, int side) {
   cv::Mat picture = drawn_chessboard(board, side);
-  const int bits = board.marker_bits, width = cvRound(board.marker_side * side);
+  const int width = cvRound(board.marker_side * side);
   const int margin = side + (side - width) / 2;
   const cv::aruco::ArucoDetector detector = marker_detector(board);
 
   for_each_pixel_in_order({board.columns + 1, board.rows + 1}, [&](int column, int row) {
     if ((row + column) % 2 == 0) return;
 
-    // The marker's bits with a black border of one cell.
-    const cv::Mat code = detector.getDictionary().bytesList.row(marker_id(board, column, row));
-    cv::Mat cells = cv::Mat::zeros(bits + 2, bits + 2, CV_8U);
-    cells({1, 1, bits, bits}).setTo(white, cv::aruco::Dictionary::getBitsFromByteList(code, bits));
-
+    const cv::Mat cells = marker_cells(detector.getDictionary(), marker_id(board, column, row));
     cv::resize(cells, picture({column * side + margin, row * side + margin, width, width}),
                {width, width}, 0, 0, cv::INTER_NEAREST);
   });

@@ -90,18 +90,6 @@ Lens lens_of(const OneDevice& device, Size size) {
   return lens;
 }
 
-Eigen::Isometry3d pose_of(const cv::Mat& turn, const cv::Mat& translation) {
-  cv::Mat rotation;
-  cv::Rodrigues(turn, rotation);
-
-  Eigen::Matrix3d turned;
-  Eigen::Vector3d moved;
-  cv::cv2eigen(rotation, turned);
-  cv::cv2eigen(translation, moved);
-
-  return Eigen::Translation3d(moved) * Eigen::Isometry3d(turned);
-}
-
 BundleState guess(const SharedCorners& shared, const BoardPlaces& printed, Size camera_size,
                   Size projector_size) {
   // 1. Each device alone.

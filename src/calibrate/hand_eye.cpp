@@ -65,7 +65,7 @@ HandEyeStart only_start(const PoseTable& robot, const PoseTable& boards,
     return weakest_axis(turn_spread(read_moments(robot, boards, start).pairs)) ==
            weakest_axis(spread);
   });
-  throw_if(spread.turns[1] < least_second_turn(),
+  throw_if(spread.turns[1] < least_second_turn,
            "insufficient motion: about a second axis the tool turned by {:.2g} degrees only; add "
            "poses turned by 20 degrees or more, both ways, about {}",
            spread.turns[1] / degree,
@@ -111,12 +111,7 @@ std::string likely_mistake(std::size_t pose, const ReadMoments& read, const Used
   }
 
   // 2. One coordinate of the robot's position, as its table has it.
-  const HandEyePoses& poses = result.poses;
-  const Eigen::Isometry3d& board = pairs[pose].board;
-  Eigen::Isometry3d expected = poses.board * board.inverse() * poses.camera.inverse();
-  if (result.place == EyePlace::to_hand) {
-    expected = poses.camera * board * poses.board.inverse();
-  }
+  Eigen::Isometry3d expected = robot_for(pairs[pose].board, result.poses, result.place);
   Eigen::Isometry3d written = pairs[pose].robot;
   if (result.robot.inverse) {
     expected = expected.inverse();
@@ -127,7 +122,7 @@ std::string likely_mistake(std::size_t pose, const ReadMoments& read, const Used
   Eigen::Index wrong = 0;
   const double most = off.cwiseAbs().maxCoeff(&wrong);
   const bool others_fit = (off - off[wrong] * Eigen::Vector3d::Unit(wrong)).norm() < near * most;
-  const double turn = error_of(pairs[pose], poses, result.place).head<3>().norm();
+  const double turn = error_of(pairs[pose], result.poses, result.place).head<3>().norm();
 
   if (!others_fit || turn > 0.2 * degree) return "mistyped, moved, or a board found wrongly";
   return fmt::format("mistyped: its {} is {:g}, and about {:g} would fit", "xyz"[wrong],

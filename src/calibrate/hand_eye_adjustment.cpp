@@ -252,6 +252,12 @@ Eigen::Matrix<double, 12, 12> covariance_of_poses(std::span<const PosePair> pair
 
 }  // namespace
 
+Eigen::Isometry3d robot_for(const Eigen::Isometry3d& board, const HandEyePoses& poses,
+                            EyePlace place) {
+  if (place == EyePlace::in_hand) return poses.board * board.inverse() * poses.camera.inverse();
+  return poses.camera * board * poses.board.inverse();
+}
+
 PoseError error_of(const PosePair& pair, const HandEyePoses& poses, EyePlace place) {
   const Eigen::Isometry3d predicted =
       poses.camera.inverse() * between_carriers(pair.robot, place) * poses.board;

@@ -47,6 +47,10 @@ struct AdjustedHandEye {
   HandEyeScatter scatter;
 };
 
+/// The pose of the robot at which the board appears so.
+Eigen::Isometry3d robot_for(const Eigen::Isometry3d& board, const HandEyePoses& poses,
+                            EyePlace place);
+
 /// Board as measured less as predicted, in the camera's frame.
 PoseError error_of(const PosePair& pair, const HandEyePoses& poses, EyePlace place);
 

@@ -23,13 +23,6 @@ MorePoses deviations_with(const Normal& normal, std::string which) {
           .translation = std::sqrt(variances.segment<3>(3).sum())};
 }
 
-/// The pose of the robot at which the board appears so.
-Eigen::Isometry3d robot_for(const Eigen::Isometry3d& board, const HandEyePoses& poses,
-                            EyePlace place) {
-  if (place == EyePlace::in_hand) return poses.board * board.inverse() * poses.camera.inverse();
-  return poses.camera * board * poses.board.inverse();
-}
-
 /// The pair with the tool turned about one of its axes, and the board's origin, a corner, where it
 /// was.
 PosePair turned(const PosePair& pair, const HandEyePoses& poses, EyePlace place, int axis,
@@ -64,10 +57,6 @@ TurnSpread turn_spread(std::span<const PosePair> pairs) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(squares);
   return {solver.eigenvalues().cwiseMax(0).cwiseSqrt().reverse(),
           solver.eigenvectors().rowwise().reverse()};
-}
-
-double least_second_turn() {
-  return 2 * degree;
 }
 
 char weakest_axis(const TurnSpread& spread) {

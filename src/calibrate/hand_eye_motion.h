@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "base/numbers.h"
 #include "calibrate/hand_eye.h"
 
 namespace slipstream {
@@ -17,7 +18,7 @@ struct TurnSpread {
 TurnSpread turn_spread(std::span<const PosePair> pairs);
 
 /// Below this the turns about a second axis do not determine the result at all, rad.
-double least_second_turn();
+inline constexpr double least_second_turn = 2 * degree;
 
 /// "x", "y" or "z": the tool's axis nearest to that about which it should turn more.
 char weakest_axis(const TurnSpread& spread);

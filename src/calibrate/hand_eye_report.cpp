@@ -3,13 +3,11 @@
 #include <cmath>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <fmt/ranges.h>
 
 #include "base/numbers.h"
-#include "base/printable.h"
 #include "calibrate/report.h"
 
 namespace slipstream {
@@ -65,14 +63,26 @@ void write_scatter(Page& page, const HandEyeScatter& scatter) {
   row("board, along the line of sight and tilt", scatter.board_depth, scatter.board_tilt);
 }
 
-/// The text in YAML's double quotes.
-std::string in_quotes(std::string_view text) {
-  std::string escaped;
-  for (const char c : text) {
-    if (c == '"' || c == '\\') escaped += '\\';
-    escaped += c;
+/// What was found: a name and its value in each row.
+std::vector<std::vector<std::string>> rows_of(const HandEye& found) {
+  const Eigen::Vector3d& at = found.poses.camera.translation();
+  const Eigen::Vector3d& deviation = found.translation_deviation;
+
+  std::vector<std::vector<std::string>> rows{
+      {"robot poses", name_of(found.robot, robot_frames)},
+      {"board poses", name_of(found.boards, board_frames)},
+      {fmt::format("camera in the {}", carrier_of_camera(found.place)),
+       fmt::format(
+           "x {:.3f} +- {:.3f}, y {:.3f} +- {:.3f}, z {:.3f} +- {:.3f} mm, turned to within "
+           "{:.4f} degrees",
+           at.x(), deviation.x(), at.y(), deviation.y(), at.z(), deviation.z(),
+           found.rotation_deviation.norm() / degree)},
+      {fmt::format("errors of {} of {} poses", used_count(found), found.each.size()),
+       text_of(found.mean)}};
+  if (is_known(found.mean_left_out)) {
+    rows.back().back() += "; held out " + text_of(found.mean_left_out);
   }
-  return fmt::format("\"{}\"", printable(escaped));
+  return rows;
 }
 
 }  // namespace
@@ -82,25 +92,12 @@ std::string carrier_of_camera(EyePlace place) {
 }
 
 std::string text_of(const HandEye& found) {
-  const std::string carrier = carrier_of_camera(found.place);
-  const Eigen::Vector3d& at = found.poses.camera.translation();
-  const Eigen::Vector3d& deviation = found.translation_deviation;
-
-  std::vector<std::string> lines{
-      fmt::format("robot poses: {}", name_of(found.robot, robot_frames)),
-      fmt::format("board poses: {}", name_of(found.boards, board_frames)),
-      fmt::format(
-          "camera in the {}: x {:.3f} +- {:.3f}, y {:.3f} +- {:.3f}, z {:.3f} +- {:.3f} mm, "
-          "turned to within {:.4f} degrees",
-          carrier, at.x(), deviation.x(), at.y(), deviation.y(), at.z(), deviation.z(),
-          found.rotation_deviation.norm() / degree),
-      fmt::format("errors of {} of {} poses: {}", used_count(found), found.each.size(),
-                  text_of(found.mean))};
-  if (is_known(found.mean_left_out)) lines.back() += "; held out " + text_of(found.mean_left_out);
+  std::vector<std::string> lines;
+  for (const auto& row : rows_of(found)) lines.push_back(fmt::format("{}", fmt::join(row, ": ")));
 
   for (const MorePoses& more : found.more) {
     lines.push_back(fmt::format("with {}: position to within {:.3f} mm, now {:.3f} mm", more.which,
-                                more.translation, deviation.norm()));
+                                more.translation, found.translation_deviation.norm()));
   }
   return fmt::format("{}", fmt::join(lines, "\n"));
 }
@@ -116,19 +113,7 @@ Page hand_eye_report(const HandEye& found, Wording wording) {
 
   page.heading("Result");
   page.table({"", "value"});
-  page.row({"robot poses", name_of(found.robot, robot_frames)});
-  page.row({"board poses", name_of(found.boards, board_frames)});
-  for (int axis = 0; axis < 3; ++axis) {
-    page.row({fmt::format("camera in the {}, {}", carrier_of_camera(found.place), "xyz"[axis]),
-              fmt::format("{:.3f} +- {:.3f} mm", found.poses.camera.translation()[axis],
-                          found.translation_deviation[axis])});
-  }
-  page.row({"its direction",
-            fmt::format("+- {:.4f} degrees", found.rotation_deviation.norm() / degree)});
-  page.row({"mean error", text_of(found.mean)});
-  if (is_known(found.mean_left_out)) {
-    page.row({"mean error, held out", text_of(found.mean_left_out)});
-  }
+  for (const auto& row : rows_of(found)) page.row(row);
   page.row({"size of the boards by the robot's travel",
             fmt::format("{:.5f} +- {:.5f}", found.scale, found.scale_deviation)});
   page.paragraph(
@@ -146,23 +131,6 @@ Page hand_eye_report(const HandEye& found, Wording wording) {
   write_scatter(page, found.scatter);
   write_poses(page, found);
   return page;
-}
-
-std::string residuals_yaml(const HandEye& found) {
-  std::string text;
-  for (const HandEyePose& pose : found.each) {
-    text += fmt::format("- name: {}\n  used: {}\n", in_quotes(pose.name), pose.used);
-
-    const auto add = [&](const char* name, const std::optional<HandEyeError>& error) {
-      if (!error) return;
-      text += fmt::format("  {0}_mm: {1:.4f}\n  {0}_degrees: {2:.5f}\n", name, error->translation,
-                          error->rotation / degree);
-    };
-    add("error", pose.error);
-    add("left_out", pose.left_out);
-    if (!pose.reason.empty()) text += fmt::format("  reason: {}\n", in_quotes(pose.reason));
-  }
-  return text;
 }
 
 }  // namespace slipstream

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstring>
 #include <vector>
 
@@ -7,6 +8,8 @@
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "base/statistics.h"
+#include "geometry/rotation.h"
 #include "slipstream/image.h"
 
 namespace slipstream {
@@ -63,6 +66,23 @@ inline cv::Mat within_hull(const std::vector<cv::Point>& pixels, cv::Size size) 
   cv::Mat mask(size, CV_8U, cv::Scalar(0));
   cv::fillConvexPoly(mask, hull, cv::Scalar(1));
   return mask;
+}
+
+/// Stretches the contrast from the 1st to the 99.5th percentile over 8 bits, for the detectors.
+inline cv::Mat stretched(const cv::Mat& picture) {
+  std::vector<float> values(picture.begin<float>(), picture.end<float>());
+  const double low = quantile(values, 0.01),
+               high = std::max<double>(quantile(values, 0.995), low + 1);
+
+  cv::Mat grey;
+  picture.convertTo(grey, CV_8U, 255 / (high - low), -low * 255 / (high - low));
+  return grey;
+}
+
+/// The pose of OpenCV's rotation vector and translation.
+inline Eigen::Isometry3d pose_of(const cv::Mat& turn, const cv::Mat& translation) {
+  return pose_from(rotation_of_vector(Eigen::Vector3d(turn.ptr<double>())),
+                   Eigen::Vector3d(translation.ptr<double>()));
 }
 
 }  // namespace slipstream

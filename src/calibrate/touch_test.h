@@ -7,12 +7,14 @@
 #include <Eigen/Geometry>
 
 #include "base/page.h"
+#include "slipstream/board_capture.h"
+#include "slipstream/scanner.h"
 
 namespace slipstream {
 
-/// Differences between points as the camera and as the robot's tip give them.
+/// Differences between points as the camera and as the robot give them.
 struct TouchTest {
-  std::vector<Eigen::Vector3d> differences;  ///< camera less tip, mm, in the robot's base frame
+  std::vector<Eigen::Vector3d> differences;  ///< camera less robot, mm, in the robot's base frame
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   Eigen::Vector3d standard_error = Eigen::Vector3d::Zero();  ///< of the mean; NaN for one point
   double rms = 0;                                            ///< of the distances, mm
@@ -24,6 +26,15 @@ struct TouchTest {
 /// unless there is a tool for each point, and at least one.
 TouchTest touch_test(std::span<const Eigen::Vector3d> points, const Eigen::Isometry3d& camera,
                      std::span<const Eigen::Isometry3d> tools, const Eigen::Vector3d& tip);
+
+/// The same for light instead of a tip: where the projector's ray to each point meets the board,
+/// less the outer corner of the board that is nearest to the point. Shows what is off across these
+/// rays, not along them. `view`: a scan of the board along both axes. `points`: corners as the
+/// robot has them, mm, in its base frame. Throws Error if such a corner is not lit, and without
+/// points.
+TouchTest projection_test(const BoardView& view, const CalibrationBoard& board,
+                          const Scanner& scanner, const Eigen::Isometry3d& camera,
+                          std::span<const Eigen::Vector3d> points);
 
 /// "good", or "bad" with the offset and its direction if the mean is off by more than `tolerance`,
 /// mm, beyond twice its standard error; "usable" if only single points are.

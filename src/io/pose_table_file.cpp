@@ -5,6 +5,7 @@
 #include <cctype>
 #include <functional>
 #include <initializer_list>
+#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -47,15 +48,16 @@ std::string plain_name(std::string_view text) {
   return plain;
 }
 
-/// The numbers with these names, in their order; empty unless all are there.
+/// The numbers with these names, in their order; empty unless all are there. Of a name that comes
+/// twice the last: in a FANUC program P[1] is before the pose's P.
 std::vector<double> numbers_named(const NamedNumbers& of, const Names& names) {
   std::vector<double> found;
   for (const std::string& name : names) {
+    std::optional<double> last;
     for (const auto& [own, number] : of.numbers) {
-      if (own != name) continue;
-      found.push_back(number);
-      break;
+      if (own == name) last = number;
     }
+    if (last) found.push_back(*last);
   }
   return found.size() == names.size() ? found : std::vector<double>();
 }
@@ -84,8 +86,20 @@ std::vector<double> row_from(const NamedNumbers& of) {
     return row;
   }
 
+  // By the order, unless the numbers have names of their own: those of joints, or of anything.
+  const bool has_position = !row.empty();
+  Names names;
   row.clear();
-  for (const auto& [name, number] : of.numbers) row.push_back(number);
+  for (const auto& [name, number] : of.numbers) {
+    row.push_back(number);
+    if (!name.empty()) names.push_back(name);
+  }
+  const bool of_joints = std::ranges::any_of(
+      names, [](const std::string& name) { return name == "a1" || name == "j1" || name == "jt1"; });
+  throw_if(!has_position && names.size() > 1 && (of_joints || row.size() < 12),
+           "the numbers {} are not those of a pose, perhaps of joints; expected x, y, z and a "
+           "rotation",
+           fmt::join(names, ", "));
 
   // Position, quaternion, axis configuration and external axes of an ABB controller, which have no
   // names; the first may have the pose's.
@@ -183,10 +197,46 @@ NamedNumbers numbers_in_line(const std::string& line) {
   return of;
 }
 
+/// Blank lines, and comments of tables and of robots' programs.
 bool is_comment(std::string_view line) {
   const std::size_t first = line.find_first_not_of(" \t\r");
-  return first == line.npos || line[first] == '#' || line[first] == '&' ||
-         line.substr(first).starts_with("//");
+  if (first == line.npos) return true;
+  line.remove_prefix(first);
+
+  // KRL and AS; in a table a blank cell comes before a number.
+  const bool krl =
+      line.size() > 1 && line[0] == ';' && std::isalpha(static_cast<unsigned char>(line[1])) != 0;
+  return krl || line.starts_with("//") || line.find_first_of("#&!") == 0;
+}
+
+/// Throws Error for a line of a program whose numbers are not one pose: in KRL, RAPID, URScript,
+/// DRL, AS or a log.
+void require_one_pose(const std::string& line) {
+  const auto refuse_if = [](bool refused, const char* what) {
+    throw_if(refused, "{}; expected poses of the tool in the robot's base: x, y, z and a rotation",
+             what);
+  };
+  static const std::map<std::string, const char*, std::less<>> others{
+      {"axis", "joint angles"},         {"e6axis", "joint angles"},
+      {"joint", "joint angles"},        {"joints", "joint angles"},
+      {"ppoint", "joint angles"},       {"jointtarget", "joint angles"},
+      {"moveabsj", "joint angles"},     {"circ", "a circular motion"},
+      {"scirc", "a circular motion"},   {"movec", "a circular motion"},
+      {"amovec", "a circular motion"},  {"ptprel", "a relative motion"},
+      {"linrel", "a relative motion"},  {"circrel", "a relative motion"},
+      {"reltool", "a relative motion"}, {"offs", "a relative motion"}};
+
+  // A list without the p of a pose, movej([0, ...]), DRL's posj(0, ...) and AS's #[0, ...].
+  std::string dense = line;
+  std::erase_if(dense, [](char letter) { return letter == ' ' || letter == '\t'; });
+  for (const char* const list : {"j([", "posj(", "#["}) {
+    refuse_if(dense.find(list) != dense.npos, "joint angles");
+  }
+
+  for (const std::string& word : words_in(line, " \t\r,;{}[]()=:")) {
+    const auto other = others.find(plain_name(word));
+    if (other != others.end()) refuse_if(true, other->second);
+  }
 }
 
 bool has_numbers(const std::string& line) {
@@ -217,8 +267,18 @@ PoseTable table_in_lines(const std::string& text, std::string_view named_columns
   bool begun = false;
 
   for (int number = 1; !left.empty(); ++number) {
+    const int begin = number;
     std::string line(take_until(left, '\n'));
+    throw_if(line.starts_with("///") && line.find("PULSE") != line.npos,
+             "line {}: positions in pulses; expected poses of the tool, as of ///POSTYPE BASE",
+             number);
     if (is_comment(line)) continue;
+
+    // A pose of several lines, in braces.
+    while (line.find('{') != line.npos && line.find('}') == line.npos && !left.empty()) {
+      line += fmt::format(" {}", take_until(left, '\n'));
+      ++number;
+    }
 
     // 1. The line of names, at least as many as a pose has numbers.
     const bool first = !std::exchange(begun, true);
@@ -236,12 +296,14 @@ PoseTable table_in_lines(const std::string& text, std::string_view named_columns
         std::ranges::count(line, ';') >= 5 && line.find_first_of("[{(.") == line.npos;
     if (by_semicolons) std::ranges::replace(line, ',', '.');
 
-    naming(fmt::format("line {}", number), [&] {
+    naming(fmt::format("line {}", begin), [&] {
       if (!columns.empty()) return add_row(table, numbers_in_columns(line, columns, separators));
 
       // Programs of robots have other lines too.
       const NamedNumbers of = numbers_in_line(line);
-      if (of.numbers.size() >= 6) add_row(table, of);
+      if (of.numbers.size() < 6) return;
+      require_one_pose(line);
+      add_row(table, of);
     });
   }
   return table;
@@ -276,6 +338,12 @@ void collect(const YAML::Node& node, const std::string& inside, NamedNumbers& of
     for (const auto& entry : node) {
       if (!entry.first.IsScalar()) continue;
       std::string key = plain_name(entry.first.Scalar());
+      throw_if(key == "name" && entry.second.IsSequence(),
+               "a list of names, as of joints; expected poses of the tool");
+      if (begins_with_any(key, {"joint", "axis", "axes", "actualq", "velocity", "effort"}) ||
+          key == "q") {
+        continue;
+      }
       if (begins_with_any(key, {"rot", "orient", "quat", "angle", "euler"}) != rotation) continue;
       if (begins_with_any(inside, {"orient", "quat", "rot"})) key.insert(0, "q");
       collect(entry.second, key, of, depth + 1);

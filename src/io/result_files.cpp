@@ -275,6 +275,7 @@ void DistinctFiles::add_input(const fs::path& path, int levels) {
   // Every file that the scan reads is an input.
   for (const fs::path& frame : scan.frames) inputs_.insert(identity(file_of_page(frame)));
   if (scan.white) inputs_.insert(identity(*scan.white));
+  if (scan.colour_scanner) inputs_.insert(identity(*scan.colour_scanner));
   for (const fs::path& picture : scan.colour) inputs_.insert(identity(picture));
   if (scan.scanner) add_scanner(*scan.scanner);
   if (scan.second_camera) add_input(*scan.second_camera);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <filesystem>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -9,13 +10,42 @@
 #include <vector>
 
 #include "base/throw_if-inl.h"
+#include "geometry/rotation.h"
 #include "io/file.h"
 #include "io/frame_pictures.h"
 #include "io/scan_pictures.h"
 #include "slipstream/layout.h"
+#include "slipstream/scanner_file.h"
 #include "slipstream/strategy.h"
 
 namespace slipstream {
+namespace {
+
+/// The camera of colour_scanner, which is calibrated with the scan's camera or its projector.
+ColourCamera colour_camera_of(const ScanFiles& files, Image<Colour> picture) {
+  const std::filesystem::path& file = *files.colour_scanner;
+  ColourCamera camera{.picture = std::move(picture)};
+
+  if (is_camera_pair(file, false)) {
+    const Scanner pair = read_camera_pair(file);
+    camera.lens = pair.projector;
+    camera.pose = pose_from(pair.rotation, pair.translation);
+  } else {
+    throw_if(!files.scanner, "{}: colour_scanner needs the scan's own scanner file",
+             files.path.string());
+    const Scanner own = read_scanner(*files.scanner), other = read_scanner(file);
+    camera.lens = other.camera;
+    camera.pose = pose_from(other.rotation, other.translation).inverse() *
+                  pose_from(own.rotation, own.translation);
+  }
+
+  throw_if(camera.lens.size.width > 0 && camera.lens.size != camera.picture.size(),
+           "{}: the camera of {} has {}, the picture of its colours {}", files.path.string(),
+           file.string(), text_of(camera.lens.size), text_of(camera.picture.size()));
+  return camera;
+}
+
+}  // namespace
 
 std::vector<bool> frames_of_colour(const Sequence& sequence) {
   // 1. Frames of one exposure along the first axis.
@@ -68,20 +98,32 @@ Image<ColourLevels> levels_of_colour(const ScanFiles& files, const FrameSet& whi
 
 void add_colour(Scan& scan, const ScanFiles& files, const FrameSet& white, Image<ColourLevels> mean,
                 const std::optional<WhiteBalance>& known) {
+  throw_if(files.colour_scanner && files.colour.empty(),
+           "{}: colour_scanner is of the camera that took the picture `colour`, which is missing",
+           files.path.string());
   const Image<ColourLevels> levels = levels_of_colour(files, white, std::move(mean));
   const std::string path = files.path.string();
   throw_if(files.grey_patch && levels.empty(), "{}: `grey_patch`: its pictures have no colour",
            path);
   if (levels.empty()) return;
 
-  throw_if(levels.size() != scan.frames.size(),
-           "{}: the picture of its colours is {}, its frames {}", path, text_of(levels.size()),
-           text_of(scan.frames.size()));
-
+  // Another camera has its own white balance.
   WhiteBalance balance = known.value_or(WhiteBalance{1, 1, 1});
+  if (files.colour_scanner) {
+    balance = read_photometric_calibration(*files.colour_scanner)
+                  .white_balance.value_or(WhiteBalance{1, 1, 1});
+  }
   if (files.grey_patch) {
     balance = naming(path, [&] { return white_balance(levels, *files.grey_patch); });
   }
+  if (files.colour_scanner) {
+    scan.colour_camera = colour_camera_of(files, balanced(levels, balance));
+    return;
+  }
+
+  throw_if(levels.size() != scan.frames.size(),
+           "{}: the picture of its colours is {}, its frames {}", path, text_of(levels.size()),
+           text_of(scan.frames.size()));
   scan.colour = balanced(levels, balance);
 }
 

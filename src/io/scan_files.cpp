@@ -458,14 +458,13 @@ std::uint32_t checksum_of(const ScanFiles& scan) {
   }
 
   if (scan.white) files.push_back(*scan.white);
+  if (scan.colour_scanner) files.push_back(*scan.colour_scanner);
   files.insert(files.end(), scan.colour.begin(), scan.colour.end());
   if (fs::exists(scan.path / "scan.yaml")) files.push_back(scan.path / "scan.yaml");
   if (scan.scanner) {
-    const bool is_of_matrices = has_matrices(*scan.scanner);
-    for (const fs::path& file :
-         is_of_matrices ? matrix_files(*scan.scanner) : scanner_files(*scan.scanner)) {
-      files.push_back(file);
-    }
+    const auto parts =
+        has_matrices(*scan.scanner) ? matrix_files(*scan.scanner) : scanner_files(*scan.scanner);
+    files.insert(files.end(), parts.begin(), parts.end());
   }
 
   for (const fs::path& file : files) {  // of recordings the header

@@ -118,9 +118,10 @@ class YamlMap {
 };
 
 /// The optional files named in scan.yaml, except the frames.
-constexpr std::array<std::tuple<const char*, const char*, std::optional<fs::path> ScanFiles::*>, 4>
+constexpr std::array<std::tuple<const char*, const char*, std::optional<fs::path> ScanFiles::*>, 5>
     named_files{{{"scanner", "a file", &ScanFiles::scanner},
                  {"white", "a picture", &ScanFiles::white},
+                 {"colour_scanner", "a file", &ScanFiles::colour_scanner},
                  {"second_camera", "a folder", &ScanFiles::second_camera},
                  {"guard", "a folder", &ScanFiles::guard}}};
 
@@ -185,7 +186,7 @@ Sequence read_sequence(const YamlMap& map) {
 
 ScanFiles files_from(const YamlMap& map, const fs::path& folder) {
   map.require_known_keys({"slipstream", "strategy", "exposures", "projector", "bits", "frames",
-                          "scanner", "white", "colour", "mosaic", "second_camera", "guard"});
+                          "scanner", "white", "colour", "colour_scanner", "mosaic", "second_camera", "guard"});
 
   // Read only to refuse other versions of the file's layout.
   [[maybe_unused]] const int version = map.whole_number("slipstream", 1, 1);

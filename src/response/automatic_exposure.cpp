@@ -82,11 +82,12 @@ const ExposureChoice& chosen(const ExposureAdvice& advice, const ExposureLimits&
   return *best;
 }
 
-/// The exposure to try next; nullopt if enough is known. `gained`: share of all pixels that
-/// the last longer exposure has added.
+/// The exposure to try next; nullopt if enough is known. `without_gain`: number of longer
+/// exposures, one after another, that have shown no more pixels.
 std::optional<double> next_exposure(const Tried& tried, const std::optional<ExposureAdvice>& advice,
-                                    const ExposureLimits& limits, double gained) {
-  constexpr double few = 0.002, little = 0.002;  // of the pixels
+                                    const ExposureLimits& limits, int without_gain) {
+  constexpr double few = 0.002;  // of the pixels
+  constexpr int patience = 2;    // dark surfaces may begin to show at the second step
   const double shorter = std::max(tried.shortest() / finer, limits.shortest);
   const double longer = std::min(tried.longest() * finer, limits.longest);
   const bool can_shorten = shorter < tried.shortest();
@@ -106,7 +107,7 @@ std::optional<double> next_exposure(const Tried& tried, const std::optional<Expo
 
   // 2. Pixels that every exposure saturates are not understood, nor those that none shows yet.
   if (advice->unknown > few && can_shorten) return shorter;
-  if (gained > little && can_lengthen) return longer;
+  if (without_gain < patience && can_lengthen) return longer;
   return std::nullopt;
 }
 
@@ -139,12 +140,15 @@ std::pair<double, double> explained_by(double frequency, const std::vector<doubl
 
 ChosenExposures choose_exposures(const std::function<FrameSet(double exposure)>& take,
                                  const Sequence& sequence, const ExposureLimits& limits,
-                                 const ExposureNeeds& needs, const std::function<bool()>& goes_on) {
+                                 ExposureNeeds needs, const std::function<bool()>& goes_on) {
+  needs.shortest = limits.shortest;
+  needs.longest = limits.longest;
   constexpr std::size_t most_tried = 10;
   Tried tried;
   ChosenExposures result;
   std::optional<ExposureAdvice> advice;
-  double measured = 0;
+  double lit = 0;
+  int without_gain = 0;
 
   // 1. Scans with other exposures, until they say enough.
   double next = std::clamp(limits.first, limits.shortest, limits.longest);
@@ -153,12 +157,12 @@ ChosenExposures choose_exposures(const std::function<FrameSet(double exposure)>&
     result.tried.push_back(next);
     advice = tried.advice(sequence, needs);
 
-    const double before =
-        std::exchange(measured, advice ? advice->lit * chosen(*advice, limits).measured : 0);
+    constexpr double little = 0.002;  // of the pixels
+    const double before = std::exchange(lit, advice ? advice->lit : 0);
     const bool is_longest = next == tried.longest();
-    const double gained = is_longest ? measured - before : 1;
+    without_gain = is_longest && lit - before < little ? without_gain + 1 : 0;
 
-    const auto further = next_exposure(tried, advice, limits, gained);
+    const auto further = next_exposure(tried, advice, limits, without_gain);
     if (!further || !goes_on()) break;
     next = *further;
   }

@@ -40,7 +40,7 @@ struct ChosenExposures {
 /// no exposure shows the patterns, and as `take` does.
 ChosenExposures choose_exposures(const std::function<FrameSet(double exposure)>& take,
                                  const Sequence& sequence, const ExposureLimits& limits,
-                                 const ExposureNeeds& needs, const std::function<bool()>& goes_on);
+                                 ExposureNeeds needs, const std::function<bool()>& goes_on);
 
 /// The period, s, of the room's light, from the mean levels of frames of a still picture with their
 /// times, s: 0.01 or 1/120 s, from mains of 50 or 60 Hz, or 0.05 s if either may be; nullopt if it

@@ -157,10 +157,10 @@ Prediction prediction_of(const LitPixels& lit, const Layout& layout, const Expos
   return prediction;
 }
 
-/// Two per doubling, from unsaturated brightest pixels to measurable darkest ones.
-std::vector<double> candidates(const Prediction& prediction, double least_modulation) {
+/// Four per doubling, from unsaturated brightest pixels to measurable darkest ones.
+std::vector<double> candidates(const Prediction& prediction, const ExposureNeeds& needs) {
   constexpr double few = 0.001;  // fraction of pixels to ignore
-  constexpr std::size_t most = 32;
+  constexpr std::size_t most = 64;
 
   std::vector<double> peaks, modulations;
   for (const LitPixel& pixel : prediction.samples) {
@@ -169,11 +169,13 @@ std::vector<double> candidates(const Prediction& prediction, double least_modula
   }
 
   // From 5 % below saturation of the brightest to 20 % above the limit of the darkest.
-  const double longest = 1.2 * least_modulation / quantile(modulations, few);
-  std::vector<double> exposures{0.95 * prediction.brightest / quantile(peaks, 1 - few)};
+  const double first = 0.95 * prediction.brightest / quantile(peaks, 1 - few);
+  const double last = 1.2 * needs.least_modulation / quantile(modulations, few);
+  const double longest = std::min(last, needs.longest);
+  std::vector<double> exposures{std::clamp(first, needs.shortest, needs.longest)};
 
   while (exposures.back() < longest && exposures.size() < most) {
-    exposures.push_back(exposures.back() * std::sqrt(2.0));
+    exposures.push_back(std::min(exposures.back() * std::pow(2.0, 0.25), needs.longest));
   }
 
   return exposures;
@@ -210,7 +212,7 @@ double rounded(double exposure) {
 void propose(const Prediction& prediction, const ExposureNeeds& needs, ExposureAdvice& advice) {
   // Share of the lit pixels that makes one more exposure worth its time.
   constexpr double worth_one_more = 0.02;
-  const std::vector<double> from = candidates(prediction, needs.least_modulation);
+  const std::vector<double> from = candidates(prediction, needs);
 
   std::vector<double> exposures;
   for (const std::size_t count : {1U, 2U, 3U}) {

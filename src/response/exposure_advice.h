@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "slipstream/frame_set.h"
@@ -11,6 +12,8 @@ namespace slipstream {
 struct ExposureNeeds {
   double least_modulation = 15;  ///< above 0, up to 127
   double noise_variance = 1.6;   ///< sigma_w^2, >= 0, below 85^2
+  /// Exposures that may be proposed, in the unit of the given ones.
+  double shortest = 0, longest = std::numeric_limits<double>::infinity();
 };
 
 /// Predicted quality of the lit pixels for one exposure, or several merged.

@@ -11,6 +11,7 @@
 #include "base/parallel_rows.h"
 #include "base/stopwatch.h"
 #include "base/throw_if-inl.h"
+#include "cloud/seen_colours.h"
 #include "reconstruct/coordinate_map.h"
 #include "reconstruct/coordinate_matcher.h"
 #include "reconstruct/engine_setup.h"
@@ -325,7 +326,12 @@ ScanResult ScanJob::operator()(const CheckedJob& job, const std::string& name) {
 
   // 2. Points or maps.
   two_cameras ? match_cameras(job, result) : compute(job, result);
-  if (settings_.output == ScanOutput::points) result.cloud.colour = job.scan.colour;
+  if (settings_.output == ScanOutput::points) {
+    const std::optional<ColourCamera>& other = job.scan.colour_camera;
+    result.cloud.colour =
+        other ? colours_seen_by(result.cloud, other->picture, other->lens, other->pose)
+              : job.scan.colour;
+  }
   count(result, setup.settings, settings_.output);
   result.computing = watch.lap();
   if (!settings_.keep_refused) {

@@ -285,6 +285,39 @@ TEST_F(FrameProgram, FindsTheBoardWhereItIs) {
   EXPECT_NEAR(measured["planes"][0]["normal"][2].get<double>(), -1, 1e-3);
 }
 
+TEST_F(FrameProgram, FindsTheMarkerWhereItIs) {
+  // The markers of a ChArUco board, whose squares of 30 mm have them in the middle.
+  expect_done({"simulate", path("boards"), "--boards", "1", "--board", "charuco", "--corners",
+               "4x3", "--spacing", "40", "--camera", "640x480"});
+  const std::string scanner = path("boards/scanner.yaml"), scan = path("boards/board01");
+  const auto marker = [&](const std::string& family, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments{"frame",  "marker", scan,       "--scanner", scanner,
+                                       "--side", "30",     "--family", family};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  };
+
+  // Marker 2 is in the square left of and below corner 0.
+  const nlohmann::json found =
+      document(marker("4x4", {"--number", "2", "-o", path("marker.yaml")}));
+  EXPECT_EQ(found["marker"], 2);
+  EXPECT_LT(found["rms_px"].get<double>(), 0.2);
+  EXPECT_EQ(found["translation_deviation_mm"].size(), 3U);
+  expect_done({"frame", "board", scan, "--scanner", scanner, "--board", "charuco", "--corners",
+               "4x3", "--spacing", "40", "-o", path("board.yaml")});
+  const Eigen::Isometry3d to_marker = read_pose(path("marker.yaml")).transform;
+  const Eigen::Isometry3d to_board = read_pose(path("board.yaml")).transform;
+  const Eigen::Isometry3d between = to_board * to_marker.inverse();
+  EXPECT_LT((between.translation() - Eigen::Vector3d(-20, 20, 0)).norm(), 0.5)
+      << between.translation().transpose();
+  EXPECT_LT(angle_between(between.linear(), Eigen::Matrix3d::Identity()), 0.01);
+
+  expect_refused(marker("4x4"), "choose one with --number");
+  expect_refused(marker("4x4", {"--number", "77"}), "no marker 77 of 4x4 is visible");
+  expect_refused(marker("36h11"), "no marker of 36h11 is visible");
+  expect_refused(marker("9x9"), "36h11");
+}
+
 TEST_F(FrameProgram, RigFileNamesThePose) {
   simulate("scan");
   write_file(path("rig.yaml"), "to_frame: base.yaml\n");

@@ -1,15 +1,19 @@
-// Runs `slipstream calibrate hand-eye`, `touch` and `virtual-robot`.
+// Runs `slipstream calibrate hand-eye`, `touch`, `projection` and `virtual-robot`.
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "geometry/rotation.h"
 #include "io/file.h"
+#include "io/image_file.h"
 #include "io/pose_file.h"
 #include "slipstream/cloud_file.h"
+#include "slipstream/scanner_file.h"
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
 
@@ -58,7 +62,7 @@ TEST_F(HandEyeProgram, GivesAPoseFileAReportAndADocument) {
   EXPECT_EQ(document["poses"].size(), 15U);
   EXPECT_EQ(document["to"], "tool");
   EXPECT_NE(contents(path("report/report.html")).find("Hand-eye calibration"), std::string::npos);
-  EXPECT_NE(contents(path("report/residuals.yaml")).find("left_out_mm"), std::string::npos);
+  EXPECT_NE(contents(path("report/residuals.yaml")).find("left_out"), std::string::npos);
 }
 
 TEST_F(HandEyeProgram, TheTouchTestFindsAnInjectedError) {
@@ -79,6 +83,76 @@ TEST_F(HandEyeProgram, TheTouchTestFindsAnInjectedError) {
   const ProgramRun run = touch(path("wrong.yaml"));
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.out.find("+0.500 mm in y"), std::string::npos) << run.out << run.err;
+}
+
+TEST_F(HandEyeProgram, TheProjectionTestFindsAnInjectedError) {
+  const auto run = [](const std::vector<std::string>& arguments) {
+    const ProgramRun done = run_program(arguments);
+    ASSERT_EQ(done.exit_code, 0) << done.err;
+  };
+  const std::string scanner = path("boards/scanner.yaml");
+  run({"simulate", path("boards"), "--boards", "1", "--corners", "13x9", "--spacing", "15",
+       "--camera", "640x480"});
+  run({"frame", "board", path("boards/board01"), "--scanner", scanner, "--corners", "13x9",
+       "--spacing", "15", "-o", path("board.yaml")});
+
+  // A camera beside a robot that has touched the four outer corners.
+  const FramePose truth{"camera", "base",
+                        pose_from(rotation_of_euler({3.1, -0.2, 0.5}, {}), {900, -250, 1400})};
+  write_pose(path("truth.yaml"), truth);
+  const Eigen::Isometry3d board =
+      truth.transform * read_pose(path("board.yaml")).transform.inverse();
+  std::string touched = "x,y,z,a,b,c\n";
+  for (const auto& [x, y] :
+       std::vector<std::pair<double, double>>{{0, 0}, {180, 0}, {180, 120}, {0, 120}}) {
+    const Eigen::Vector3d tool = board * Eigen::Vector3d(x, y, 0) - Eigen::Vector3d(0, 0, 150);
+    touched += fmt::format("{:.4f},{:.4f},{:.4f},0,0,0\n", tool.x(), tool.y(), tool.z());
+  }
+  write_file(path("touched.csv"), touched);
+
+  const auto project = [&](const std::string& pose) {
+    return run_program({"calibrate",
+                        "projection",
+                        pose,
+                        "--touched",
+                        path("touched.csv"),
+                        "--tip",
+                        "0,0,150",
+                        "--robot-convention",
+                        "kuka, mm, tool to base",
+                        "--boards",
+                        path("boards"),
+                        "--scanner",
+                        scanner,
+                        "--corners",
+                        "13x9",
+                        "--spacing",
+                        "15",
+                        "--tolerance",
+                        "0.3",
+                        "--rings",
+                        path("rings.png"),
+                        "--json"});
+  };
+  const ProgramRun good = project(path("truth.yaml"));
+  EXPECT_EQ(good.exit_code, 0) << good.err << good.out;
+  EXPECT_EQ(read_levels(path("rings.png")).size(), read_scanner(scanner).projector.size);
+
+  // Half a millimetre along either axis of the board, either way.
+  for (const int axis : {0, 1}) {
+    for (const double error : {-0.5, 0.5}) {
+      const Eigen::Vector3d off = error * board.linear().col(axis);
+      FramePose wrong = truth;
+      wrong.transform.translation() += off;
+      write_pose(path("wrong.yaml"), wrong);
+      const ProgramRun bad = project(path("wrong.yaml"));
+      EXPECT_EQ(bad.exit_code, 2);
+      const nlohmann::json mean = nlohmann::json::parse(bad.out)["mean_mm"];
+      const Eigen::Vector3d found(mean[0].get<double>(), mean[1].get<double>(),
+                                  mean[2].get<double>());
+      EXPECT_LT((found - off).norm(), 0.1) << found.transpose() << ", not " << off.transpose();
+    }
+  }
 }
 
 TEST_F(HandEyeProgram, TheTouchTestOfOnePointHasNoStandardError) {

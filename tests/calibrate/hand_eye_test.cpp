@@ -320,14 +320,6 @@ TEST(HandEye, LeavesOutAPoseWithoutABoard) {
   EXPECT_FALSE(found.each[2].error);
 }
 
-TEST(HandEyeReport, QuotesNamesInYaml) {
-  HandEye found;
-  found.each = {{.name = "say \"p1\" in C:\\poses\n", .reason = "a \"reason\""}};
-  const std::string text = residuals_yaml(found);
-  EXPECT_NE(text.find(R"(- name: "say \"p1\" in C:\\poses\x0a")"), std::string::npos) << text;
-  EXPECT_NE(text.find(R"(reason: "a \"reason\"")"), std::string::npos) << text;
-}
-
 TEST(HandEyeReport, LeavesOutErrorsThatAreNotMeasured) {
   HandEye found = calibrated(tables_of(moved_robot({.seed = 8})));
   EXPECT_NE(text_of(found).find("held out"), std::string::npos);

@@ -319,6 +319,8 @@ STARTS = {
     "frame points": "slipstream simulate plate --scene board",
     "frame board": "slipstream simulate boards --boards 1 --corners 13x9 --spacing 15"
                    " --camera 320x240; cp boards/scanner.yaml .",
+    "frame marker": "slipstream simulate boards --boards 1 --board charuco --corners 4x3"
+                    " --spacing 40; cp boards/scanner.yaml .",
     "merge view1": "for n in 1 2 3; do slipstream simulate s$n --scene statue --camera 320x240"
                    " --steps 8 --seed $n; slipstream reconstruct s$n -o view$n.ply; done",
     "merge scan1": "for n in 1 2; do slipstream simulate scan$n --scene statue --camera 320x240"

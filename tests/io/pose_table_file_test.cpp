@@ -55,10 +55,10 @@ TEST(PoseTableFile, TakesTheColumnsThatItIsTold) {
 }
 
 TEST(PoseTableFile, LeavesOutTheColumnsThatItIsTold) {
-  EXPECT_EQ(lines("9,1,2,3,4,5,6\n", "-,j1,j2,j3,j4,j5,j6").rows[0], (Row{1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(lines("9,1,2,3,4,5,6\n", "-,x,y,z,a,b,c").rows[0], (Row{1, 2, 3, 4, 5, 6}));
 
   // No robtarget of an ABB controller, though it has 17 numbers.
-  const std::string joints = ",j1,j2,j3,j4,j5,j6,j7,j8,j9,j10,j11";
+  const std::string joints = ",e1,e2,e3,e4,e5,e6,e7,e8,e9,e10,e11";
   expect_refused("x,y,z,r,s,t" + joints + "\n1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17\n",
                  "line 2: 17 numbers");
   EXPECT_EQ(
@@ -117,6 +117,77 @@ TEST(PoseTableFile, ReadsMotionsOfRobots) {
   EXPECT_EQ(ur.rows[1], (Row{0.4, 0.5, 0.6, 1, 2, 3}));
   EXPECT_TRUE(ur.names.empty());
   EXPECT_EQ(lines("first = p[1,2,3,4,5,6]\nsecond = p[1,2,3,4,5,7]\n").names[1], "second");
+}
+
+TEST(PoseTableFile, ReadsAPoseOfSeveralLines) {
+  const std::string config = "UF : 0, UT : 1, CONFIG : 'N U T, 0, 0, 0',\n";
+  const PoseTable fanuc =
+      lines("/POS\nP[1]{\n  GP1:\n " + config + " X = 1.5 mm, Y = -2 mm, Z = 3 mm,\n" +
+            " W = 4 deg, P = 5 deg, R = 6 deg\n};\nP[2]{\n  GP1:\n " + config +
+            " X = 7 mm, Y = 8 mm, Z = 9 mm,\n W = 4 deg, P = 5 deg, R = 6 deg\n};\n/END\n");
+  ASSERT_EQ(fanuc.rows.size(), 2U);
+  EXPECT_EQ(fanuc.rows[0], (Row{1.5, -2, 3, 4, 5, 6}));
+  expect_refused(
+      "/POS\nP[1]{\n GP1:\n J1 = 1 deg, J2 = 2 deg, J3 = 3 deg,\n J4 = 4 deg, J5 = 5 "
+      "deg, J6 = 6 deg\n};\n",
+      "line 2");
+}
+
+TEST(PoseTableFile, RefusesJointsAndOtherMotions) {
+  const std::string kuka = "{X 1,Y 2,Z 3,A 4,B 5,C 6}", pose = "LIN " + kuka + "\n";
+  const std::string abb = "[[1,2,3],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]";
+  const std::string ur = "p[0.1,0.2,0.3,1,2,3]";
+
+  // KUKA
+  for (const char* const joints :
+       {"PTP {A1 0,A2 -90,A3 90,A4 0,A5 45,A6 0}",
+        "PTP {A1 0, A2 -90, A3 90, A4 0, A5 45, A6 0, E1 0}",
+        "PTP {A1 0, A2 -90, A3 90, A4 0, A5 45, A6 0, E1 0, E2 0, E3 0, E4 0, E5 0, E6 0}",
+        "DECL E6AXIS XHOME={A1 0.0,A2 -90,A3 90,A4 0,A5 0,A6 0,E1 0,E2 0,E3 0,E4 0,E5 0,E6 0}",
+        "DECL AXIS H={A1 0.0,A2 -90,A3 90,A4 0,A5 0,A6 0}"}) {
+    expect_refused(pose + joints, "line 2");
+    expect_refused(std::string(joints) + "\n" + pose, "joint");
+  }
+  expect_refused(pose + "CIRC " + kuka + "," + kuka, "line 2: a circular motion");
+  expect_refused(pose + "LIN_REL " + kuka, "line 2: a relative motion");
+  EXPECT_EQ(lines(";FOLD LIN P3 Vel=2 m/s Tool[1] Base[0];%P 1:2, 3:4, 5:2\n" + pose).rows.size(),
+            1U);
+
+  // ABB
+  expect_refused("MoveAbsJ [[0,-90,90,0,45,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v100,z50,tool0;",
+                 "joint angles");
+  expect_refused("CONST jointtarget j:=[[0,-90,90,0,45,0],[9E9,9E9,9E9,9E9,9E9,9E9]];",
+                 "joint angles");
+  expect_refused("MoveC " + abb + "," + abb + ",v100,z50,tool0;", "circular");
+  expect_refused("MoveL RelTool(" + abb + ",0,0,50),v100,z50,tool0;", "relative");
+  EXPECT_EQ(lines("! " + abb + "\nMoveL " + abb + ",v100,fine,tool0;").rows.size(), 1U);
+
+  // UR and Doosan
+  expect_refused("movej([0,-1.57,1.57,0,0.7,0])", "joint angles");
+  expect_refused("  movej( [0,-1.57,1.57,0,0.7,0], a=1.4, v=1.05)", "joint angles");
+  expect_refused("servoj([0,-1.57,1.57,0,0.7,0], 0, 0, 0.008)", "joint angles");
+  expect_refused("movec(" + ur + ", " + ur + ", a=1.2, v=0.25)", "circular");
+  expect_refused(
+      "timestamp actual_q_0 actual_q_1 actual_q_2 actual_q_3 actual_q_4 actual_q_5\n"
+      "0.1 0 -1.57 1.57 0 0.7 0\n",
+      "line 2: the numbers timestamp, actualq0");
+  expect_refused("home = posj(0,0,90,0,90,0)", "joint angles");
+  expect_refused("movec(posx(1,2,3,4,5,6), posx(1,2,3,4,5,6))", "circular");
+  EXPECT_EQ(lines("p1 = posx(1,2,3,4,5,6)").rows.size(), 1U);
+
+  // Kawasaki and Yaskawa
+  expect_refused("JT1 JT2 JT3 JT4 JT5 JT6\n0 -90 90 0 45 0\n", "line 2: the numbers jt1, jt2");
+  expect_refused("JMOVE #[0,-90,90,0,45,0]", "joint angles");
+  expect_refused("///POSTYPE PULSE\n///PULSE\nC00000=100,200,300,400,500,600\n",
+                 "line 1: positions in pulses");
+  EXPECT_EQ(lines("///POSTYPE BASE\n///RECTAN\nC00000=1,2,3,4,5,6\n").rows.size(), 1U);
+  expect_refused("S,L,U,R,B,T\n0,-90,90,0,45,0\n", "line 2: the numbers s, l");
+
+  // Joints beside a pose are left out of YAML; alone they are refused.
+  EXPECT_EQ(yaml("- {q: [1, 2, 3, 4, 5, 6], pose: [7, 8, 9, 0, 0, 1]}\n").rows[0],
+            (Row{7, 8, 9, 0, 0, 1}));
+  EXPECT_THROW(yaml("- {joints: [1, 2, 3, 4, 5, 6]}\n"), Error);
+  EXPECT_THROW(yaml("- {name: [a, b, c, d, e, f], position: [1, 2, 3, 4, 5, 6]}\n"), Error);
 }
 
 TEST(PoseTableFile, ReadsYaml) {

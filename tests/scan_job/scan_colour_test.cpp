@@ -18,6 +18,7 @@
 #include "slipstream/scan_job.h"
 #include "slipstream/scanner_file.h"
 #include "slipstream/virtual_scanner.h"
+#include "slipstream/virtual_world.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 
@@ -202,6 +203,46 @@ TEST_F(ScanColour, MayComeFromOnePictureInColour) {
   expect_error([&] { (void)load_scan(path()); }, {"colour.png", "grey picture"});
   write_image(files_.colour.front(), Image<Colour>({20, 10}, Colour{1, 2, 3}));
   expect_error([&] { (void)load_scan(path()); }, {"20x10", "48x36"});
+}
+
+TEST_F(ScanColour, MayComeFromAnotherCameraOfTheProjector) {
+  // A picture whose red and green are the place of the pixel.
+  const Scanner second = second_scanner(scanner);
+  Image<Colour> picture(second.camera.size);
+  for_each_pixel_in_order(picture.size(), [&](int column, int row) {
+    picture(column, row) = {static_cast<std::uint8_t>(column + 1),
+                            static_cast<std::uint8_t>(row + 1), 0};
+  });
+  files_.colour = {path() / "other.png"};
+  files_.colour_scanner = path() / "other.yaml";
+  write_image(files_.colour.front(), picture);
+  write_scanner(*files_.colour_scanner, second);
+  write_scan_files(path() / "scan.yaml", files_);
+
+  const Scan scan = load_scan(path());
+  EXPECT_TRUE(scan.colour.empty());
+  const Cloud cloud = reconstruct(scan).cloud;
+  const Eigen::Matrix3d to_other = second.rotation.transpose();
+  int seen = 0;
+  for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
+    if (cloud.validity(column, row) != Validity::valid) return;
+    const Colour colour = cloud.colour(column, row);
+    if (colour == Colour{}) return;
+    const Eigen::Vector3d in_projector =
+        in_projector_frame(scanner, position_at(cloud, column, row));
+    const Eigen::Vector2d pixel =
+        project(second.camera, to_other * (in_projector - second.translation));
+    ++seen;
+    EXPECT_NEAR(colour.red, pixel.x() + 1, 0.51);
+    EXPECT_NEAR(colour.green, pixel.y() + 1, 0.51);
+  });
+  EXPECT_GT(seen, 100);
+
+  write_image(files_.colour.front(), Image<Colour>({20, 10}, Colour{1, 2, 3}));
+  expect_error([&] { (void)load_scan(path()); }, {"other.yaml", "20x10"});
+  files_.colour.clear();
+  write_scan_files(path() / "scan.yaml", files_);
+  expect_error([&] { (void)load_scan(path()); }, {"colour_scanner", "missing"});
 }
 
 TEST_F(ScanColour, IsBalancedByTheGreyPatchElseByTheScanner) {

@@ -1,13 +1,12 @@
 #include "merge/consensus.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
 
-#include <Eigen/SVD>
+#include <Eigen/Geometry>
 
 #include "base/parallel_rows.h"
 
@@ -37,6 +36,14 @@ bool are_compatible(const Pairing& a, const Pairing& b, float cell) {
                  b.second_normal.dot(second) / second_length);
 }
 
+/// As std::popcount, which is a function call in programs for all x86 processors.
+int bits_in(std::uint64_t word) {
+  word -= word >> 1 & 0x5555555555555555U;
+  word = (word & 0x3333333333333333U) + (word >> 2 & 0x3333333333333333U);
+  word = (word + (word >> 4)) & 0x0F0F0F0F0F0F0F0FU;
+  return static_cast<int>(word * 0x0101010101010101U >> 56);
+}
+
 /// A bit for each pair of correspondences.
 class CompatibilityTable {
  public:
@@ -59,7 +66,7 @@ class CompatibilityTable {
   [[nodiscard]] int common(std::size_t i, std::size_t k) const {
     int sum = 0;
     for (std::size_t word = 0; word < words_; ++word) {
-      sum += std::popcount(bits_[i * words_ + word] & bits_[k * words_ + word]);
+      sum += bits_in(bits_[i * words_ + word] & bits_[k * words_ + word]);
     }
     return sum;
   }
@@ -86,14 +93,17 @@ std::vector<std::size_t> companions(const CompatibilityTable& table, std::size_t
   return members;
 }
 
+/// The motion of the second view that brings these correspondences together by least squares.
 Eigen::Isometry3d motion_of(std::span<const Pairing> pairings,
                             const std::vector<std::size_t>& members) {
-  std::vector<Eigen::Vector3f> from, to;
-  for (const std::size_t k : members) {
-    from.push_back(pairings[k].second);
-    to.push_back(pairings[k].first);
+  const auto count = static_cast<Eigen::Index>(members.size());
+  Eigen::Matrix3Xd from(3, count), to(3, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Pairing& pairing = pairings[members[static_cast<std::size_t>(i)]];
+    from.col(i) = pairing.second.cast<double>();
+    to.col(i) = pairing.first.cast<double>();
   }
-  return rigid_motion(from, to);
+  return Eigen::Isometry3d(Eigen::umeyama(from, to, false));
 }
 
 /// The correspondences that fit a pose.
@@ -133,36 +143,7 @@ std::vector<std::size_t> seeds_in_order(const CompatibilityTable& table, std::si
 
 }  // namespace
 
-Eigen::Isometry3d rigid_motion(std::span<const Eigen::Vector3f> from,
-                               std::span<const Eigen::Vector3f> to) {
-  Eigen::Vector3d from_mean = Eigen::Vector3d::Zero(), to_mean = Eigen::Vector3d::Zero();
-  const auto count = static_cast<double>(from.size());
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    from_mean += from[i].cast<double>() / count;
-    to_mean += to[i].cast<double>() / count;
-  }
-
-  Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    products += (to[i].cast<double>() - to_mean) * (from[i].cast<double>() - from_mean).transpose();
-  }
-
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(products, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d turn = svd.matrixU() * svd.matrixV().transpose();
-  if (turn.determinant() < 0) {  // a mirror image: turn the weakest axis around
-    Eigen::Matrix3d u = svd.matrixU();
-    u.col(2) = -u.col(2);
-    turn = u * svd.matrixV().transpose();
-  }
-
-  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
-  motion.linear() = turn;
-  motion.translation() = to_mean - turn * from_mean;
-  return motion;
-}
-
 double largest_displacement(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b,
-
                             const Eigen::Vector3d& middle, double reach) {
   double most = 0;
   for (int corner = 0; corner < 8; ++corner) {

@@ -23,10 +23,6 @@ std::vector<ConsensusPose> consensus_poses(const Keypoints& first, const Keypoin
                                            std::span<const Correspondence> correspondences,
                                            std::size_t most);
 
-/// Rigid motion that brings `from` nearest to `to` by least squares.
-Eigen::Isometry3d rigid_motion(std::span<const Eigen::Vector3f> from,
-                               std::span<const Eigen::Vector3f> to);
-
 /// Largest distance by which two poses differ for points about `reach` from `middle`.
 double largest_displacement(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b,
                             const Eigen::Vector3d& middle, double reach);

@@ -149,6 +149,13 @@ struct FlagGroup {
     if constexpr (std::is_same_v<Value, std::optional<fs::path>>) {
       const auto read = [&value](const std::string& path) { value = path; };
       return add_read<>(flag, read, help)->type_name(file_type);
+    } else if constexpr (std::is_same_v<Value, std::vector<fs::path>>) {
+      // One path each time that the flag is given.
+      const auto read = [&value](const std::vector<std::string>& paths) {
+        value.assign(paths.begin(), paths.end());
+      };
+      CLI::Option* const option = add_read<std::vector<std::string>>(flag, read, help);
+      return option->type_name(file_type)->allow_extra_args(false);
     } else {
       return add(flag, value, help)->type_name(file_type);
     }

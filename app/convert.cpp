@@ -121,8 +121,8 @@ void warn_of_other_parts(const std::string& path, const ScanChanges& changes, Ou
 
   const ScanFiles files = scan_files_in(path, changes);
   if (files.guard) output.warn(fmt::format("{}: a recording holds no guard; left out", path));
-  if (files.second_camera) {
-    output.warn(fmt::format("{}: a recording holds one camera; the second is left out", path));
+  if (!files.further_cameras.empty()) {
+    output.warn(fmt::format("{}: a recording holds one camera; the others are left out", path));
   }
 }
 

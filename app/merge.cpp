@@ -381,19 +381,14 @@ void merge(const MergeFlags& flags, Output& output) {
   FusedModel model = fuse(sources, joint.poses, static_cast<float>(flags.spacing));
   model.frame = frame;
 
-  std::vector<double> sigmas, disagreements;
-  for (const ModelPoint& point : model.points) {
-    sigmas.push_back(point.sigma);
-    if (point.views > 1) disagreements.push_back(point.disagreement);
-  }
-  const double sigma = median(std::move(sigmas));
-  std::optional<double> disagreement;
-  if (!disagreements.empty()) disagreement = median(std::move(disagreements));
+  const ModelQuality quality = quality_of(model);
   const double seconds = watch.lap();
   output.say("{} of {} views, {} points {:.3g} mm apart, sigma {:.3f} mm in the median; {:.1f} s",
-             joint.joined(), views.size(), model.points.size(), model.spacing, sigma, seconds);
+             joint.joined(), views.size(), model.points.size(), model.spacing, quality.median_sigma,
+             seconds);
   output.add("joined", joint.joined(), "points", model.points.size(), "spacing_mm", model.spacing,
-             "median_sigma_mm", sigma, "median_disagreement_mm", disagreement, "seconds", seconds);
+             "median_sigma_mm", quality.median_sigma, "median_disagreement_mm",
+             quality.median_disagreement, "seconds", seconds);
 
   // 4. The files.
   write_outputs(flags, joint, model, output);

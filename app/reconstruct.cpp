@@ -4,6 +4,7 @@
 #include <cmath>
 #include <deque>
 #include <future>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
@@ -19,6 +20,9 @@
 #include "geometry/map_form.h"
 #include "io/depth_truth.h"
 #include "io/file.h"
+#include "io/model_file.h"
+#include "merge/model_surface.h"
+#include "scan_job/fused_cameras.h"
 #include "slipstream/scan_job.h"
 #include "slipstream/surface.h"
 
@@ -42,12 +46,19 @@ struct ManifestLog {
 };
 
 void require_uncertainty_possible(const EngineSetup& setup, bool two_cameras, Output& output) {
-  throw_if(two_cameras, "--uncertainty works with one camera and the projector; add --one-camera");
+  throw_if(two_cameras,
+           "--uncertainty works with one camera and the projector; add --one-camera or --fuse");
   if (!setup.scanner.photometry.noise_variance) {
     output.warn(
-        "--uncertainty: noise variance unknown, 1.6 assumed; measure it with slipstream calibrate "
-        "noise, or give --noise-variance");
+        "noise variance unknown, 1.6 assumed for the uncertainty; measure it with slipstream "
+        "calibrate noise, or give --noise-variance");
   }
+}
+
+/// Writes the cloud of several cameras, and its surface.
+void write_model_files(const ResultFiles& files, const FusedModel& model) {
+  if (!files.cloud.empty()) write_model(files.cloud, model);
+  if (!files.mesh.empty()) write_surface(files.mesh, surface_of(mesh_of(model)));
 }
 
 /// Writes the cloud with normals and uncertainty on the requested grid; maps and preview on the
@@ -58,7 +69,9 @@ void write_files(const ReconstructFlags& flags, const ReconstructedScan& scan) {
   ResultFiles maps = scan.files;
   maps.cloud.clear();
   const std::shared_ptr<const FramePose>& frame = wanted_frame(flags.cloud.settings);
+  if (scan.fused) maps.mesh.clear();
   write_results(maps, result.cloud, result.maps, {.frame = frame});
+  if (scan.fused) return write_model_files(scan.files, *scan.fused);
 
   // The points that remain on a coarser grid.
   std::optional<Normals> normals;
@@ -108,10 +121,18 @@ std::optional<PredictedRms> predicted_error(const FrameViews& frames, ScanJob& j
 
 /// State passed from one scan to the next.
 struct Reused {
-  /// A job for each kind of result.
-  std::map<ScanOutput, ScanJob> jobs;
+  /// A job for each kind of result, and for each of several cameras that are fused: their numbers
+  /// from 1, else 0.
+  std::map<std::pair<ScanOutput, std::size_t>, ScanJob> jobs;
   bool fallback_printed = false;
   bool unguarded_printed = false;
+
+  ScanJob& job_of(const LoadedScan& loaded, std::size_t camera, const ReconstructFlags& flags) {
+    const ScanOutput output = loaded.scan.output;
+    ScanJobSettings settings = job_settings(flags, output);
+    if (loaded.fuses) settings.uncertainty = !loaded.further.empty();
+    return jobs.try_emplace({output, loaded.fuses ? camera : 0}, settings).first->second;
+  }
 };
 
 /// Says once that nothing shows whether the rig has moved.
@@ -125,12 +146,51 @@ void tell_unguarded(const ReconstructedScan& scan, const Scan& taken, Reused& re
              text_of(scan.name));
 }
 
+/// Reconstructs further cameras and fuses the points of all.
+void fuse_cameras(LoadedScan& loaded, const ReconstructFlags& flags, Reused& reused) {
+  ReconstructedScan& scan = loaded.scan;
+  std::vector<ScanResult> cameras;
+  if (loaded.further.empty()) {
+    cameras = points_by_each_other(loaded.job);
+  } else {
+    cameras.push_back(scan.result);
+  }
+
+  for (std::size_t i = 0; i < loaded.further.size(); ++i) {
+    const CheckedJob& checked = loaded.further[i];
+    const std::string name = fmt::format("{}, camera {}", text_of(scan.name), i + 2);
+    cameras.push_back(reused.job_of(loaded, i + 2, flags)(checked, name));
+
+    // The check's own findings were printed.
+    std::vector<Finding> findings = cameras.back().checked.findings;
+    for (std::size_t k = 0; k < findings.size(); ++k) {
+      findings[k].subject = fmt::format("camera {}", i + 2);
+      if (k >= checked.checked.findings.size()) {
+        scan.words.warn(fmt::format("{}: {}", text_of(scan.name), text_of(findings[k])));
+      }
+    }
+    std::ranges::move(findings, std::back_inserter(scan.result.checked.findings));
+  }
+
+  for (const ScanResult& camera : cameras) {
+    scan.points_of_cameras.push_back(count_by_validity(camera.cloud).front());
+  }
+  const auto& wanted = wanted_frame(flags.cloud.settings);
+  scan.fused = fused_cameras(
+      cameras,
+      wanted ? std::make_shared<const FramePose>(pose_from_frame(*wanted, camera_frame)) : nullptr);
+}
+
 /// Refuses what these flags ask of this scan and it cannot give.
-void require_possible(const ReconstructFlags& flags, const CheckedJob& job, bool two_cameras,
+void require_possible(const ReconstructFlags& flags, const LoadedScan& loaded, bool two_cameras,
                       Output& output) {
+  const CheckedJob& job = loaded.job;
   const bool has_other_axis = !job.scan.other_axis.empty();
-  if (flags.uncertainty) {
-    require_uncertainty_possible(job.setup, two_cameras && job.scan.scanner, output);
+  throw_if(loaded.fuses && flags.subsample > 1,
+           "--subsample needs one camera; the points of several have no rows and columns");
+  if (flags.uncertainty || loaded.fuses) {
+    const bool matches = two_cameras && job.scan.scanner && !loaded.fuses;
+    require_uncertainty_possible(job.setup, matches, output);
   }
   throw_if(!flags.files.epipolar.empty() && (two_cameras || !has_other_axis),
            "--epipolar needs one camera and patterns along both axes: --axis both");
@@ -143,17 +203,17 @@ void require_possible(const ReconstructFlags& flags, const CheckedJob& job, bool
            "--reflection-map needs one camera, and --reflection or --local-reflection");
 }
 
-void reconstruct_scan(const CheckedJob& checked, ReconstructedScan& scan,
-                      const ReconstructFlags& flags, Reused& reused) {
+void reconstruct_scan(LoadedScan& loaded, const ReconstructFlags& flags, Reused& reused) {
+  const CheckedJob& checked = loaded.job;
+  ReconstructedScan& scan = loaded.scan;
   const std::string name = text_of(scan.name);
   Output& output = scan.words;
   const bool two_cameras =
       !checked.scan.further_cameras.empty() && scan.output == ScanOutput::points;
-  require_possible(flags, checked, two_cameras, output);
+  require_possible(flags, loaded, two_cameras, output);
 
   // 1. The results, and what there is to say of them.
-  ScanJob& job =
-      reused.jobs.try_emplace(scan.output, job_settings(flags, scan.output)).first->second;
+  ScanJob& job = reused.job_of(loaded, 1, flags);
   scan.result = job(checked, name);
   const ScanResult& result = scan.result;
   const double minimum = flags.cloud.settings.minimum_modulation;
@@ -168,10 +228,11 @@ void reconstruct_scan(const CheckedJob& checked, ReconstructedScan& scan,
     reused.fallback_printed = tell_fallback(result.fallback_reason, chosen, output);
   }
 
-  tell_unguarded(scan, checked.scan, reused, output);
+  if (!loaded.fuses) tell_unguarded(scan, checked.scan, reused, output);
 
-  // 2. Files, and the error of a virtual scan against its truth.
+  // 2. Files, the other cameras, and the error of a virtual scan against its truth.
   judge(flags, checked.checked.findings.size(), scan);
+  if (loaded.fuses) fuse_cameras(loaded, flags, reused);
   if (!two_cameras) scan.predicted = predicted_error(checked.scan.frames, job, scan);
   if (result.uncertainty) scan.median_sigma = median_depth(*result.uncertainty);
 }
@@ -191,7 +252,7 @@ ReconstructedScan reconstructed(LoadedScan loaded, const ReconstructFlags& flags
 
   try {
     if (flags.from.empty()) {
-      reconstruct_scan(loaded.job, scan, flags, reused);
+      reconstruct_scan(loaded, flags, reused);
     } else {
       reconstruct_map_file(loaded, flags);
     }
@@ -271,7 +332,7 @@ void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output
     progress.finish();
     if (log != nullptr && !scan.done_before) log->file.append(line_of(scan));
     scan.done_before ? static_cast<void>(++done_before) : tell(scan, count == 1, output);
-    const auto job = reused.jobs.find(scan.output);
+    const auto job = reused.jobs.find({scan.output, scan.fused ? 1 : 0});
     if (job != reused.jobs.end()) job->second.reuse(std::move(scan.result.cloud));
     progress.advance(scan.done_before);
   };

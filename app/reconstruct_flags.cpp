@@ -86,12 +86,17 @@ void add_reconstruct_flags(CLI::App& subcommand, ReconstructFlags& flags) {
       "--cue-rule", settings.cue_rule, cue_rule_named, name_of(settings.cue_rule),
       "how a cue in the same frames gives the fringe order: consensus, likelihood or published");
 
-  command.add_file("--second-camera", flags.cloud.second_camera,
-                   "scan folder or recording of a second camera; default: the scan's own");
-  command.add_file("--second-scanner", flags.cloud.second_scanner,
-                   "scanner file of the second camera with the same projector; default: its own");
+  command.add_file("--second-camera", flags.cloud.further_cameras,
+                   "scan folder or recording of a second camera, and given again of a third and "
+                   "so on; default: the scan's own");
+  command.add_file("--second-scanner", flags.cloud.further_scanners,
+                   "scanner file of the second camera with the same projector, and given again of "
+                   "the third and so on; default: their own");
 
-  command.add("--one-camera", flags.one_camera, "use only the first camera of a scan with two");
+  command.add("--one-camera", flags.one_camera, "use only the first camera of a scan with several");
+  command.add("--fuse", flags.fuse,
+              "two cameras: instead of matching their phases, fuse the points that each measures "
+              "with the projector; three or more cameras always do");
   command.add("--match-window", flags.match_window,
               "two cameras: half-width of the matching window, pixels");
 

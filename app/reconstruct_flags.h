@@ -16,7 +16,7 @@ struct ReconstructFlags {
   std::uint64_t every = 1;
   CloudFlags cloud;
 
-  bool one_camera = false;
+  bool one_camera = false, fuse = false;
   int match_window = ScanJobSettings{}.match_window;
   int subsample = 1;
   bool normals = false;

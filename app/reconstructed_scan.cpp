@@ -19,6 +19,7 @@
 #include "io/image_file.h"
 #include "io/pose_file.h"
 #include "reconstruct/engine_setup.h"
+#include "scan_job/fused_cameras.h"
 #include "slipstream/scan_files.h"
 
 namespace slipstream::app {
@@ -120,7 +121,7 @@ void load_map(const ReconstructFlags& flags, LoadedScan& loaded) {
 Scan read_scan(const ScanFlags& input, const ReconstructFlags& flags, ReconstructedScan& result) {
   const std::string& path = result.name.path;
   Scan scan = load_checkable(path, input, !flags.one_camera, result.words);
-  throw_if(input.second_scanner && scan.further_cameras.empty(),
+  throw_if(!input.further_scanners.empty() && scan.further_cameras.empty(),
            "{}: --second-scanner needs pictures of a second camera; name them with "
            "--second-camera",
            path);
@@ -140,6 +141,38 @@ Scan read_scan(const ScanFlags& input, const ReconstructFlags& flags, Reconstruc
   result.output = gives_maps ? ScanOutput::maps : ScanOutput::points;
   result.warnings = scan.warnings;
   return scan;
+}
+
+/// Checks the scan; cameras that are fused each by itself, if they can be.
+void check_cameras(Scan scan, const ReconstructFlags& flags, LoadedScan& loaded) {
+  ReconstructedScan& result = loaded.scan;
+  const std::string name = text_of(result.name);
+  ScanJobSettings settings = job_settings(flags, result.output);
+
+  // 1. Three or more cameras are always fused.
+  const std::size_t further = scan.further_cameras.size();
+  loaded.fuses = result.output == ScanOutput::points && scan.scanner &&
+                 (further > 1 || (flags.fuse && further > 0));
+  throw_if(flags.fuse && !loaded.fuses,
+           "{}: --fuse needs points of two or more cameras with calibrated projector", name);
+
+  // 2. Each camera by itself if its frames give the fringe order.
+  std::vector<Scan> scans;
+  if (loaded.fuses && has_coordinate(scan.sequence.strategy)) {
+    scans = scans_of_cameras(std::move(scan));
+  } else {
+    scans.push_back(std::move(scan));
+  }
+
+  loaded.job = checked_scan(std::move(scans.front()), name, settings, result.words);
+  for (std::size_t i = 1; i < scans.size(); ++i) {
+    const std::string camera = fmt::format("{}, camera {}", name, i + 1);
+    throw_if(!scans[i].scanner, "{}: its scanner is unknown; name its file with --second-scanner",
+             camera);
+    settings.reconstruct =
+        settings_for(*scans[i].scanner, loaded.job.setup.scanner, flags.cloud.settings);
+    loaded.further.push_back(checked_scan(std::move(scans[i]), camera, settings, result.words));
+  }
 }
 
 }  // namespace
@@ -190,8 +223,7 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
     Scan scan = read_scan(input, flags, result);
     result.read = watch.lap();
     const bool has_pair = !scan.scanner && scan.camera_pair;
-    loaded.job = checked_scan(std::move(scan), text_of(name), job_settings(flags, result.output),
-                              result.words);
+    check_cameras(std::move(scan), flags, loaded);
     if (has_pair && result.output == ScanOutput::points) {
       result.words.say(
           "{}: two cameras, no projector: the calibration is not checked with the frames",
@@ -216,7 +248,8 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
     return scan.predicted ? std::optional((*scan.predicted).*part) : std::nullopt;
   };
 
-  const std::size_t points = scan.output == ScanOutput::maps ? 0 : result.counts[0];
+  std::size_t points = scan.output == ScanOutput::maps ? 0 : result.counts[0];
+  if (scan.fused) points = scan.fused->points.size();
   nlohmann::json document = described(
       "scan", scan.name.path, "window", scan.name.window, "points", points, "pixels",
       result.cloud.validity.pixel_count(), "counts", result.counts, "backend", result.backend,
@@ -229,6 +262,12 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
       result.checked.repairs, "seconds", seconds);
 
   if (result.budget) document["budget"] = json_of(*result.budget);
+  if (scan.fused) {
+    const ModelQuality quality = quality_of(*scan.fused);
+    describe(document, "points_of_cameras", scan.points_of_cameras, "spacing_mm",
+             scan.fused->spacing, "median_sigma_mm", quality.median_sigma, "median_disagreement_mm",
+             quality.median_disagreement);
+  }
 
   // Only --anyway reconstructs a refused scan.
   if (any_wrong(result.checked.findings)) document["doubted"] = true;
@@ -252,6 +291,11 @@ std::string text_of(const PredictedRms& predicted) {
 
 void tell(const ReconstructedScan& scan, Output& output) {
   const ScanResult& result = scan.result;
+  if (scan.fused) {
+    output.say("{}: {} points, {:.3g} mm apart, of {} cameras with {} points; the first camera:",
+               text_of(scan.name), scan.fused->points.size(), scan.fused->spacing,
+               scan.points_of_cameras.size(), fmt::join(scan.points_of_cameras, ", "));
+  }
   const std::string done = scan.output == ScanOutput::maps
                                ? fmt::format("measured {}", result.counts[0])
                                : fmt::format("{} points", result.counts[0]);

@@ -30,7 +30,8 @@ struct SimulateFlags {
   SequenceChanges scan;
   std::optional<int> boards;  ///< poses of a board; empty: a scene
   BoardFlags board;
-  bool unquantised = false, second_camera = false, in_colour = false, primaries = false;
+  bool unquantised = false, in_colour = false, primaries = false;
+  int further_cameras = 0;
   bool guard = false;
   double paint = 0;
   TurntableFlags turntable;
@@ -70,37 +71,42 @@ void simulate_boards(const SimulateFlags& flags, const VirtualWorld& world,
   const int count = *flags.boards;
   std::vector<Eigen::Isometry3d> poses = poses_of(sheet, count, scanner);
 
-  // Nearer to the middle, so that a second camera sees the whole board, too.
+  // Nearer to the middle, so that further cameras see the whole board, too.
   for (Eigen::Isometry3d& pose : poses) {
-    if (!flags.second_camera) break;
+    if (flags.further_cameras == 0) break;
     pose.translation() = (pose.translation() + working_volume(scanner).centre) / 2;
   }
 
-  Progress progress("boards", flags.second_camera ? 2 * count : count);
+  Progress progress("boards", (1 + flags.further_cameras) * count);
   const Body printed = misprinted(sheet, world.photometry.physics);
   const std::vector<std::string> names =
       save_board_scans(folder, sequence, world, printed, poses, [&] { progress.advance(); });
 
-  // The same poses for a second camera, in a folder beside this one.
-  std::optional<std::string> second_folder;
-  if (flags.second_camera) {
-    second_folder = numbered(folder, 2).string();
-    VirtualWorld posed = world, second;
+  // The same poses for further cameras, in folders beside this one.
+  std::vector<std::string> further_folders;
+  for (int number = 2; number < 2 + flags.further_cameras; ++number) {
+    further_folders.push_back(numbered(folder, number).string());
+    VirtualWorld posed = world, camera;
     std::vector<Eigen::Isometry3d> seen;
     for (const Eigen::Isometry3d& pose : poses) {
       posed.scene = {printed};
       posed.scene.front().pose = pose;
-      second = seen_from_second(posed);
-      seen.push_back(second.scene.front().pose);
+      camera = seen_from_second(posed, number);
+      seen.push_back(camera.scene.front().pose);
     }
-    save_board_scans(*second_folder, sequence, second, printed, seen, [&] { progress.advance(); });
+    save_board_scans(further_folders.back(), sequence, camera, printed, seen,
+                     [&] { progress.advance(); });
   }
 
   progress.finish();
   output.say("took a board ({}, {}x{}), spacing {:g} mm, in {} poses of {}, into {}",
              name_of(board.kind), board.columns, board.rows, board.spacing, count,
              text_of(scanner.camera.size), folder.string());
-  if (second_folder) output.say("those of the second camera: {}", *second_folder);
+  if (!further_folders.empty()) {
+    output.say("those of further cameras: {}", fmt::join(further_folders, ", "));
+  }
+  const auto second_folder =
+      further_folders.empty() ? std::nullopt : std::optional(further_folders.front());
 
   output.document =
       described("folder", folder.string(), "second_folder", second_folder, "poses", names, "width",
@@ -147,7 +153,7 @@ void simulate(const SimulateFlags& flags, Output& output) {
 
   throw_if(flags.paint != 0 && !flags.in_colour && !flags.primaries,
            "--paint needs --colour or --primaries");
-  const bool is_one_scan = !flags.boards && !flags.primaries && !flags.second_camera &&
+  const bool is_one_scan = !flags.boards && !flags.primaries && flags.further_cameras == 0 &&
                            !flags.guard && !flags.turntable.views;
   throw_if(!is_one_scan && lower_case_extension(flags.folder) == ".slip",
            "{}: --boards, --primaries, --second-camera, --guard and --turntable need a folder; a "
@@ -179,12 +185,11 @@ void simulate(const SimulateFlags& flags, Output& output) {
   tell_replaced(folder, output);
   ScanFiles files = save_virtual_scan(folder, sequence, world, virtual_scan);
 
-  if (flags.second_camera) {
-    files.second_camera = folder / "second";
-    const VirtualWorld second = seen_from_second(world);
-    save_virtual_scan(
-        *files.second_camera, sequence, second,
-        take_scan(second.scanner, second.scene, pattern_set(sequence), second.photometry));
+  for (int number = 2; number < 2 + flags.further_cameras; ++number) {
+    files.further_cameras.push_back(folder / folder_of_camera(static_cast<std::size_t>(number)));
+    const VirtualWorld seen = seen_from_second(world, number);
+    save_virtual_scan(files.further_cameras.back(), sequence, seen,
+                      take_scan(seen.scanner, seen.scene, pattern_set(sequence), seen.photometry));
     write_scan_files(folder / "scan.yaml", files);
   }
 
@@ -226,10 +231,12 @@ void add_simulate_flags(CLI::App& command, SimulateFlags& flags) {
                  "scanner file to imitate; default: an example");
 
   group.add("--unquantised", flags.unquantised, "64-bit float frames, neither rounded nor clipped");
-  group.add(
-      "--second-camera", flags.second_camera,
-      "add a second camera on the other side of the projector; its scan goes into second/, its "
-      "boards into a folder beside the first, with -2 in its name");
+  group.app
+      .add_flag("--second-camera", flags.further_cameras,
+                "add a second camera on the other side of the projector, and given again a third "
+                "and so on; their scans go into second/, camera-3/ and so on, boards into folders "
+                "beside the first, with -2, -3 and so on in their names")
+      ->group(group.name);
   group.add("--colour", flags.in_colour,
             "colour camera and projector: three patterns per picture, with 20 % crosstalk between "
             "channels");

@@ -66,8 +66,8 @@ struct ScanFiles {
   /// For colour pictures: a picture under uniform grey light, see unmixed.
   std::optional<std::filesystem::path> white{};
 
-  /// The scan folder of a second camera for the same projector and time.
-  std::optional<std::filesystem::path> second_camera{};
+  /// The scan folders of further cameras for the same projector and time.
+  std::vector<std::filesystem::path> further_cameras{};
 
   /// The scan folder of the guard, see Scan::guard.
   std::optional<std::filesystem::path> guard{};
@@ -101,8 +101,8 @@ struct ScanChanges {
   std::optional<std::filesystem::path> scanner{};
   std::optional<Rectangle> camera_region{};
 
-  /// Scan folder or recording of a second camera, and its scanner's file.
-  std::optional<std::filesystem::path> second_camera{}, second_scanner{};
+  /// Scan folders or recordings of further cameras, and the scanner file of each; empty: unchanged.
+  std::vector<std::filesystem::path> further_cameras{}, further_scanners{};
 };
 
 /// Number of windows: of the recording, or of the pictures, each cycle with its motion frames.
@@ -134,8 +134,8 @@ Scan load_scan(const ScanFiles& files);
 /// white picture, if any. Also throws Error if an order is set.
 Scan load_as_taken(const ScanFiles& files, FrameSet& white);
 
-/// Loads the complete scan in a folder or recording, with any second camera, whose sequence must be
-/// the same; see scan_files_in.
+/// Loads the complete scan in a folder or recording, with any further cameras, whose sequence must
+/// be the same; see scan_files_in.
 Scan load_scan(const std::filesystem::path& path, const ScanChanges& changes = {});
 
 /// The poses in a folder, in natural order of their names. Each pose is a folder that contains
@@ -166,7 +166,7 @@ void save_guard(ScanFiles& scan, const FrameViews& frames, const Sequence& guard
 std::filesystem::path path_named_by_time(const std::filesystem::path& parent, std::string_view what,
                                          std::string_view ending);
 
-/// Checksum over all files of a scan: scan.yaml, frames, scanner file, guard and a second camera's;
+/// Checksum over all files of a scan: scan.yaml, frames, scanner file, guard and further cameras;
 /// for a recording, its header and the frames of the window. Throws Error if one is missing.
 std::uint32_t checksum_of(const ScanFiles& scan);
 

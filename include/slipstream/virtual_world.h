@@ -37,14 +37,15 @@ std::vector<std::string_view> effect_names();
 /// (sRGB), "sharpening" and "jpeg". Throws Error for an unknown name.
 Photometry photometry_named(std::string_view text);
 
-/// The same projector with a second camera like the first, beyond it and aimed at the same point.
-Scanner second_scanner(const Scanner& first);
+/// The same projector with a further camera like the first, beyond it and aimed at the same point.
+/// `number`: 2 for the second camera; those after it stand above and below, farther and farther.
+Scanner second_scanner(const Scanner& first, int number = 2);
 
 /// Transforms a scene from the first camera's frame to the second's, which shares its projector.
 Scene seen_from_second(const Scene& scene, const Scanner& first, const Scanner& second);
 
-/// The world for a second camera under the same light, with its own noise.
-VirtualWorld seen_from_second(const VirtualWorld& first);
+/// The world for a further camera under the same light, with its own noise.
+VirtualWorld seen_from_second(const VirtualWorld& first, int number = 2);
 
 /// Settings of a virtual world, as in flags and keywords.
 struct WorldSettings {

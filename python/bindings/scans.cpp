@@ -98,9 +98,9 @@ Scan loaded_scan(const fs::path& path, const std::optional<Given<Sequence>>& seq
                       .window = window,
                       .bits = bits,
                       .channel = grey_channel_named(channel),
-                      .mosaic = mosaic,
-                      .second_camera = second_camera,
-                      .second_scanner = second_scanner};
+                      .mosaic = mosaic};
+  if (second_camera) changes.further_cameras = {*second_camera};
+  if (second_scanner) changes.further_scanners = {*second_scanner};
   if (camera_region) changes.camera_region = rectangle_of(*camera_region);
   if (sequence) changes.sequence = changes_to(sequence->thing);
   if (scanner && scanner->index() == 1) changes.scanner = std::get<fs::path>(*scanner);
@@ -150,7 +150,7 @@ std::pair<FrameViews, Sequence> as_shown(const Scan& scan) {
   return {frames, both};
 }
 
-/// Also the other axis, the guard and a second camera.
+/// Also the other axis, the guard and further cameras.
 void save(const Scan& scan, const fs::path& path) {
   throw_if(
       scan.exposures.size() > 1,
@@ -160,7 +160,7 @@ void save(const Scan& scan, const fs::path& path) {
            "{}: a calibration of two cameras is not written; copy the original scan",
            path.string());
   throw_if(!scan.further_cameras.empty() && lower_case_extension(path) == ".slip",
-           "{}: a recording holds one camera; save a scan of two to a folder", path.string());
+           "{}: a recording holds one camera; save a scan of several to a folder", path.string());
   throw_if(!scan.guard.empty() && lower_case_extension(path) == ".slip",
            "{}: a recording holds no guard; save the scan to a folder", path.string());
 
@@ -171,8 +171,10 @@ void save(const Scan& scan, const fs::path& path) {
   }
   if (scan.further_cameras.empty()) return;
 
-  files.second_camera = path / "second";
-  save(scan.further_cameras.front(), *files.second_camera);
+  for (std::size_t i = 0; i < scan.further_cameras.size(); ++i) {
+    files.further_cameras.push_back(path / folder_of_camera(i + 2));
+    save(scan.further_cameras[i], files.further_cameras.back());
+  }
   write_scan_files(path / "scan.yaml", files);
 }
 

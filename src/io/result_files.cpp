@@ -278,7 +278,7 @@ void DistinctFiles::add_input(const fs::path& path, int levels) {
   if (scan.colour_scanner) inputs_.insert(identity(*scan.colour_scanner));
   for (const fs::path& picture : scan.colour) inputs_.insert(identity(picture));
   if (scan.scanner) add_scanner(*scan.scanner);
-  if (scan.second_camera) add_input(*scan.second_camera);
+  for (const fs::path& camera : scan.further_cameras) add_input(camera);
 }
 
 void DistinctFiles::add_output(const fs::path& path) {

@@ -18,8 +18,8 @@ namespace slipstream {
 std::vector<bool> frames_of_colour(const Sequence& sequence);
 
 /// Sets the scan's colours, or those of its colour camera, to these, balanced by the grey patch of
-/// `files`, else as `known`. Throws
-/// Error if they are not of the frames' size or the patch cannot be used.
+/// `files`, else as `known`. Throws Error if they are not of the frames' size or the patch cannot be
+/// used.
 void add_colour(Scan& scan, const ScanFiles& files, const FrameSet& white, Image<ColourLevels> mean,
                 const std::optional<WhiteBalance>& known);
 

@@ -1,6 +1,7 @@
 #include "slipstream/scan_files.h"
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <ctime>
 #include <iterator>
@@ -322,30 +323,41 @@ Scan load_as_taken(const ScanFiles& files, FrameSet& white) {
 
 Scan load_scan(const fs::path& path, const ScanChanges& changes) {
   ScanFiles files = scan_files_in(path, changes);
-  if (!files.second_camera) return load_scan(files);
+  if (files.further_cameras.empty()) return load_scan(files);
 
-  ScanFiles second = scan_files_in(*files.second_camera, {.sequence = changes.sequence,
-                                                          .order = changes.order,
-                                                          .window = changes.window,
-                                                          .channel = changes.channel,
-                                                          .scanner = changes.second_scanner});
+  const std::vector<fs::path>& scanners = changes.further_scanners;
+  throw_if(!scanners.empty() && scanners.size() != files.further_cameras.size(),
+           "{}: has {} further cameras, and {} scanner files are given for them", path.string(),
+           files.further_cameras.size(), scanners.size());
 
-  // A file that calibrates both cameras has no projector, so it is neither scan's own scanner.
+  std::vector<ScanFiles> further;
+  for (std::size_t i = 0; i < files.further_cameras.size(); ++i) {
+    ScanChanges of_camera{.sequence = changes.sequence,
+                          .order = changes.order,
+                          .window = changes.window,
+                          .channel = changes.channel};
+    if (!scanners.empty()) of_camera.scanner = scanners[i];
+    further.push_back(scan_files_in(files.further_cameras[i], of_camera));
+  }
+
+  // A file that calibrates two cameras has no projector, so it is neither scan's own scanner.
   std::optional<Scanner> pair;
-  if (files.scanner && is_camera_pair(*files.scanner, !second.scanner)) {
+  ScanFiles& second = further.front();
+  if (further.size() == 1 && files.scanner && is_camera_pair(*files.scanner, !second.scanner)) {
     pair = read_camera_pair(*files.scanner);
     files.scanner.reset();
     second.scanner.reset();
   }
 
   Scan scan = load_scan(files);
-  scan.further_cameras.push_back(load_scan(second));
   scan.camera_pair = std::move(pair);
-
-  const Sequence& further = scan.further_cameras.front().sequence;
-  throw_if(further.strategy != scan.sequence.strategy || further.axis != scan.sequence.axis,
-           "{}: its sequence differs from the first camera's; both must see one projector",
-           second.path.string());
+  for (const ScanFiles& camera : further) {
+    const Scan& loaded = scan.further_cameras.emplace_back(load_scan(camera));
+    throw_if(loaded.sequence.strategy != scan.sequence.strategy ||
+                 loaded.sequence.axis != scan.sequence.axis,
+             "{}: its sequence differs from the first camera's; all cameras must see one projector",
+             camera.path.string());
+  }
 
   return scan;
 }
@@ -440,8 +452,11 @@ fs::path path_named_by_time(const fs::path& parent, std::string_view what,
 }
 
 std::uint32_t checksum_of(const ScanFiles& scan) {
-  std::uint32_t sum =
-      scan.second_camera ? checksum_of(scan_files_in(*scan.second_camera)) : std::uint32_t{0};
+  // The first of further cameras alone, as in the manifests of earlier versions.
+  std::uint32_t sum = 0;
+  for (std::size_t i = scan.further_cameras.size(); i > 0; --i) {
+    sum = std::rotl(sum, 1) ^ checksum_of(scan_files_in(scan.further_cameras[i - 1]));
+  }
   if (scan.guard) {
     const ScanFiles guard = scan_files_in(*scan.guard);
     sum ^= checksum_of(ScanFiles{.path = guard.path,

@@ -91,6 +91,13 @@ class YamlMap {
     return values;
   }
 
+  /// A text, or a list of them.
+  [[nodiscard]] std::vector<std::string> one_or_list(const std::string& key, const char* of,
+                                                     const char* wanted) const {
+    if (node_[key].IsScalar()) return {value<std::string>(key, wanted)};
+    return list<std::string>(key, of, wanted);
+  }
+
   [[nodiscard]] std::vector<std::string> keys() const {
     std::vector<std::string> keys;
     for (const auto& entry : node_) keys.push_back(entry.first.as<std::string>());
@@ -118,11 +125,10 @@ class YamlMap {
 };
 
 /// The optional files named in scan.yaml, except the frames.
-constexpr std::array<std::tuple<const char*, const char*, std::optional<fs::path> ScanFiles::*>, 5>
+constexpr std::array<std::tuple<const char*, const char*, std::optional<fs::path> ScanFiles::*>, 4>
     named_files{{{"scanner", "a file", &ScanFiles::scanner},
                  {"white", "a picture", &ScanFiles::white},
                  {"colour_scanner", "a file", &ScanFiles::colour_scanner},
-                 {"second_camera", "a folder", &ScanFiles::second_camera},
                  {"guard", "a folder", &ScanFiles::guard}}};
 
 /// Keys of Sequence::lengths, and the settings that they replace.
@@ -186,7 +192,8 @@ Sequence read_sequence(const YamlMap& map) {
 
 ScanFiles files_from(const YamlMap& map, const fs::path& folder) {
   map.require_known_keys({"slipstream", "strategy", "exposures", "projector", "bits", "frames",
-                          "scanner", "white", "colour", "colour_scanner", "mosaic", "second_camera", "guard"});
+                          "scanner", "white", "colour", "colour_scanner", "mosaic", "second_camera",
+                          "guard"});
 
   // Read only to refuse other versions of the file's layout.
   [[maybe_unused]] const int version = map.whole_number("slipstream", 1, 1);
@@ -206,6 +213,11 @@ ScanFiles files_from(const YamlMap& map, const fs::path& folder) {
            "colour: expected one picture in colour, or three in red, green and blue light");
   if (map.has("mosaic")) scan.mosaic = mosaic_named(map.value<std::string>("mosaic", "a word"));
 
+  if (map.has("second_camera")) {
+    for (const std::string& camera : map.one_or_list("second_camera", "folders", "a folder")) {
+      scan.further_cameras.push_back(folder / camera);
+    }
+  }
   for (const auto& [key, wanted, file] : named_files) {
     if (!map.has(key)) continue;
     const fs::path path = map.value<std::string>(key, wanted);
@@ -329,11 +341,17 @@ void put_files(YAML::Emitter& yaml, const ScanFiles& scan, const fs::path& folde
   }
 
   if (!scan.mosaic.empty()) put_value(yaml, "mosaic", scan.mosaic);
-  if (!scan.colour.empty()) {
+  const auto put_names = [&](const char* key, const std::vector<fs::path>& files) {
     std::vector<std::string> names;
-    for (const fs::path& picture : scan.colour) names.push_back(name_of(picture));
-    put_value(yaml, "colour", YAML::Flow, names);
-  }
+    for (const fs::path& file : files) names.push_back(name_of(file));
+    put_value(yaml, key, YAML::Flow, names);
+  };
+  if (!scan.colour.empty()) put_names("colour", scan.colour);
+
+  // One camera as earlier versions read it.
+  const std::vector<fs::path>& cameras = scan.further_cameras;
+  if (cameras.size() == 1) put_value(yaml, "second_camera", name_of(cameras.front()));
+  if (cameras.size() > 1) put_names("second_camera", cameras);
 
   for (const auto& [key, wanted, file] : named_files) {
     if (scan.*file) put_value(yaml, key, name_of(*(scan.*file)));
@@ -387,6 +405,10 @@ std::string scan_yaml_of(const ScanFiles& scan, const fs::path& folder) {
   return std::string(yaml.c_str()) + "\n";
 }
 
+std::string folder_of_camera(std::size_t number) {
+  return number == 2 ? "second" : fmt::format("camera-{}", number);
+}
+
 std::vector<int> order_from(const std::string& text, const Sequence& sequence) {
   if (text == "sinusoids,code" || text == "code,sinusoids") {
     return order_by_kind(text.starts_with("code"), sequence);
@@ -422,7 +444,7 @@ void amend(ScanFiles& files, const ScanChanges& changes) {
   if (changes.grey_patch) files.grey_patch = changes.grey_patch;
   if (changes.scanner) files.scanner = changes.scanner;
   if (changes.camera_region) files.camera_region = changes.camera_region;
-  if (changes.second_camera) files.second_camera = changes.second_camera;
+  if (!changes.further_cameras.empty()) files.further_cameras = changes.further_cameras;
 }
 
 std::uint64_t window_count(std::size_t pictures, const Sequence& sequence) {

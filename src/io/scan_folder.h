@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -29,6 +30,10 @@ std::string scan_yaml_of(const ScanFiles& scan, const std::filesystem::path& fol
 
 /// Writes scan.yaml, with frames and scanner relative to its folder.
 void write_scan_files(const std::filesystem::path& file, const ScanFiles& scan);
+
+/// Where the scan of a further camera is put beside the first one's files: "second", "camera-3" and
+/// so on.
+std::string folder_of_camera(std::size_t number);
 
 /// The order of a sequence's frames from text: "2,0,1", "sinusoids,code" or "code,sinusoids".
 /// Throws Error for any other text.

@@ -1,11 +1,12 @@
 #include "merge/consensus.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
+
+#include <Eigen/Geometry>
 
 #include "base/parallel_rows.h"
 
@@ -35,6 +36,14 @@ bool are_compatible(const Pairing& a, const Pairing& b, float cell) {
                  b.second_normal.dot(second) / second_length);
 }
 
+/// As std::popcount, which is a function call in programs for all x86 processors.
+int bits_in(std::uint64_t word) {
+  word -= word >> 1 & 0x5555555555555555U;
+  word = (word & 0x3333333333333333U) + (word >> 2 & 0x3333333333333333U);
+  word = (word + (word >> 4)) & 0x0F0F0F0F0F0F0F0FU;
+  return static_cast<int>(word * 0x0101010101010101U >> 56);
+}
+
 /// A bit for each pair of correspondences.
 class CompatibilityTable {
  public:
@@ -57,7 +66,7 @@ class CompatibilityTable {
   [[nodiscard]] int common(std::size_t i, std::size_t k) const {
     int sum = 0;
     for (std::size_t word = 0; word < words_; ++word) {
-      sum += std::popcount(bits_[i * words_ + word] & bits_[k * words_ + word]);
+      sum += bits_in(bits_[i * words_ + word] & bits_[k * words_ + word]);
     }
     return sum;
   }
@@ -84,13 +93,15 @@ std::vector<std::size_t> companions(const CompatibilityTable& table, std::size_t
   return members;
 }
 
-/// The motion that brings the second points of some correspondences nearest to the first ones.
+/// The motion of the second view that brings these correspondences together by least squares.
 Eigen::Isometry3d motion_of(std::span<const Pairing> pairings,
                             const std::vector<std::size_t>& members) {
-  Eigen::Matrix3Xd from(3, members.size()), to(3, members.size());
-  for (std::size_t i = 0; i < members.size(); ++i) {
-    from.col(i) = pairings[members[i]].second.cast<double>();
-    to.col(i) = pairings[members[i]].first.cast<double>();
+  const auto count = static_cast<Eigen::Index>(members.size());
+  Eigen::Matrix3Xd from(3, count), to(3, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Pairing& pairing = pairings[members[static_cast<std::size_t>(i)]];
+    from.col(i) = pairing.second.cast<double>();
+    to.col(i) = pairing.first.cast<double>();
   }
   return Eigen::Isometry3d(Eigen::umeyama(from, to, false));
 }

@@ -47,6 +47,25 @@ struct ViewSums {
   double weight = 0, height = 0;
 };
 
+/// How far the views' means scatter, in standard deviations, if that is more than three; else 1.
+double scatter_of(std::span<const ViewSums> views) {
+  constexpr double most_of_noise = 3;
+  if (views.size() < 2) return 1;
+
+  double weight = 0, height = 0;
+  for (const ViewSums& sums : views) {
+    weight += sums.weight;
+    height += sums.height;
+  }
+
+  double squares = 0;
+  for (const ViewSums& sums : views) {
+    squares += sums.weight * std::pow(sums.height / sums.weight - height / weight, 2);
+  }
+  const double scatter = std::sqrt(squares / static_cast<double>(views.size() - 1));
+  return scatter > most_of_noise ? scatter : 1;
+}
+
 /// Averages the points around `seed` on its surface. Its neighbours are those in a disc across the
 /// normal, so that noise does not decide which belong to it.
 class PointAverage {
@@ -124,7 +143,7 @@ class PointAverage {
     if (near.empty()) return point;
 
     point.position = (position / weights).cast<float>();
-    point.sigma = static_cast<float>(1 / std::sqrt(weights));
+    point.sigma = static_cast<float>(scatter_of(views) / std::sqrt(weights));
     point.intensity = static_cast<float>(intensity / weights);
     const auto level = [&](double sum) { return grey_level(static_cast<float>(sum / weights)); };
     point.colour = {level(colour.x()), level(colour.y()), level(colour.z())};
@@ -166,6 +185,18 @@ std::vector<ModelPoint> without_doubles(const std::vector<ModelPoint>& points, f
 
 }  // namespace
 
+ModelQuality quality_of(const FusedModel& model) {
+  std::vector<double> sigmas, disagreements;
+  for (const ModelPoint& point : model.points) {
+    sigmas.push_back(point.sigma);
+    if (point.views > 1) disagreements.push_back(point.disagreement);
+  }
+
+  ModelQuality quality{.median_sigma = median(std::move(sigmas))};
+  if (!disagreements.empty()) quality.median_disagreement = median(std::move(disagreements));
+  return quality;
+}
+
 FusedModel fuse(const std::vector<const View*>& views,
                 const std::vector<std::optional<Eigen::Isometry3d>>& poses, float spacing) {
   // 1. All points in one frame.
@@ -185,13 +216,10 @@ FusedModel fuse(const std::vector<const View*>& views,
   const std::vector<std::uint32_t> seeds = thinned_to_cells(all.points, model.spacing);
   const PointAverage average(all, grid, model.spacing);
 
-  constexpr std::size_t block = 512;
   std::vector<ModelPoint> points(seeds.size());
-  for_each_row(static_cast<int>((seeds.size() + block - 1) / block), [&](int row) {
-    const std::size_t first = static_cast<std::size_t>(row) * block;
-    for (std::size_t k = first; k < std::min(first + block, seeds.size()); ++k) {
-      points[k] = average.at(seeds[k], model.coloured);
-    }
+  for_each_row(static_cast<int>(seeds.size()), [&](int row) {
+    const auto k = static_cast<std::size_t>(row);
+    points[k] = average.at(seeds[k], model.coloured);
   });
 
   std::erase_if(points, [](const ModelPoint& point) { return point.views == 0; });

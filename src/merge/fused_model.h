@@ -18,7 +18,9 @@ namespace slipstream {
 struct ModelPoint {
   Eigen::Vector3f position = Eigen::Vector3f::Zero();
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit length, outwards
-  float sigma = 0;                                   ///< standard deviation along the normal, mm
+  /// Standard deviation along the normal, mm: of the noise, or of the views' means if these differ
+  /// by more than three times their noise.
+  float sigma = 0;
   float disagreement = 0;  ///< largest distance between the means of two views, mm; 0 for one view
   float intensity = 0;     ///< grey levels of 255
   Colour colour{};
@@ -32,6 +34,14 @@ struct FusedModel {
   /// As Cloud::frame, of the first joined view's camera; null: the model is in that camera's frame.
   std::shared_ptr<const FramePose> frame{};
 };
+
+/// How good a model's points are.
+struct ModelQuality {
+  double median_sigma = 0;                      ///< mm
+  std::optional<double> median_disagreement{};  ///< of points of two or more views, mm
+};
+
+ModelQuality quality_of(const FusedModel& model);
 
 /// Averages the points of all views, each weighted by 1 / sigma^2, one point about every `spacing`
 /// mm; 0: the median spacing of the views. The points of a view that lie off those of the others by

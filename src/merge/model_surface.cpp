@@ -99,12 +99,9 @@ class DistanceGrid {
 
     // 2. Their distances.
     distances_.resize(nodes_.size());
-    constexpr std::size_t block = 1024;
-    for_each_row(static_cast<int>((nodes_.size() + block - 1) / block), [&](int row) {
-      const std::size_t first = static_cast<std::size_t>(row) * block;
-      for (std::size_t i = first; i < std::min(first + block, nodes_.size()); ++i) {
-        if (const auto here = blend.at(place_of(nodes_[i]))) distances_[i] = here->distance;
-      }
+    for_each_row(static_cast<int>(nodes_.size()), [&](int row) {
+      const auto i = static_cast<std::size_t>(row);
+      if (const auto here = blend.at(place_of(nodes_[i]))) distances_[i] = here->distance;
     });
   }
 

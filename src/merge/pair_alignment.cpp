@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -38,32 +39,19 @@ Comparison compare(const PreparedView& from, const PreparedView& to, const Eigen
   const Eigen::Isometry3f motion = pose.cast<float>();
 
   // Sights are compared at a distance that neither noise nor a slanted surface reaches.
-  constexpr std::size_t block = 512;
-  const std::size_t taken = (source.sample.size() + step - 1) / step;
-  std::vector<Comparison> parts((taken + block - 1) / block);
-  for_each_row(static_cast<int>(parts.size()), [&](int row) {
-    Comparison& part = parts[static_cast<std::size_t>(row)];
-    const std::size_t first = static_cast<std::size_t>(row) * block;
-    for (std::size_t k = first; k < std::min(taken, first + block); ++k) {
-      const std::uint32_t i = source.sample[k * step];
-      const Eigen::Vector3f place = motion * source.points[i];
-      ++part.samples;
-      if (partner_of(place, motion.linear() * source.normals[i], target, farthest)) {
-        ++part.beside;
-      } else if (!target.grid->nearest(place, 2 * farthest) &&
-                 to.seen().at(place, 2 * farthest) == Sight::clear) {
-        ++part.seen_through;
-      }
+  const std::size_t samples = (source.sample.size() + step - 1) / step;
+  std::atomic<std::size_t> beside = 0, seen_through = 0;
+  for_each_row(static_cast<int>(samples), [&](int sample) {
+    const std::uint32_t i = source.sample[static_cast<std::size_t>(sample) * step];
+    const Eigen::Vector3f place = motion * source.points[i];
+    if (partner_of(place, motion.linear() * source.normals[i], target, farthest)) {
+      ++beside;
+    } else if (!target.grid->nearest(place, 2 * farthest) &&
+               to.seen().at(place, 2 * farthest) == Sight::clear) {
+      ++seen_through;
     }
   });
-
-  Comparison sum;
-  for (const Comparison& part : parts) {
-    sum.samples += part.samples;
-    sum.beside += part.beside;
-    sum.seen_through += part.seen_through;
-  }
-  return sum;
+  return {.samples = samples, .beside = beside, .seen_through = seen_through};
 }
 
 double share_of(std::size_t part, std::size_t whole) {

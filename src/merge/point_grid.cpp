@@ -84,8 +84,8 @@ PointGrid::Range PointGrid::range_of(std::uint64_t key) const {
 }
 
 std::optional<std::uint32_t> PointGrid::nearest(const Eigen::Vector3f& place, float radius) const {
-  // Most have one very near, which takes eight cells to find.
-  const float first_radius = std::min(radius, cell_ / 2);
+  // Most have one very near, which takes few cells to find.
+  const float first_radius = std::min(radius, cell_ / 4);
   for (const float reach : {first_radius, radius}) {
     float least = std::numeric_limits<float>::infinity();
     std::optional<std::uint32_t> found;

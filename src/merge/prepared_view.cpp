@@ -47,9 +47,9 @@ std::vector<Eigen::Isometry3d> slid_along(const Vector6& motion, const Eigen::Ve
 
 PreparedView::PreparedView(View view, float cell)
     : view_(std::move(view)),
-      grid_(view_.points, 2 * view_.spacing),
+      grid_(view_.points, 5 * view_.spacing),
       keypoints_(keypoints_of(view_, cell)),
-      keypoint_grid_(keypoints_.points, 1.5F * cell),
+      keypoint_grid_(keypoints_.points, 3 * cell),
       seen_(view_) {
   constexpr std::size_t sampled = 10'000;
 

@@ -49,45 +49,40 @@ std::vector<SurfaceMatch> matches_on(const SurfaceSamples& from, const SurfaceSa
   const std::size_t count = from.sample.empty() ? from.points.size() : from.sample.size();
   const Eigen::Isometry3f motion = pose.cast<float>();
 
-  constexpr std::size_t block = 512;
-  const std::size_t taken = (count + step - 1) / step;
-  const std::size_t parts = (taken + block - 1) / block;
-  std::vector<std::vector<SurfaceMatch>> found(parts);
+  std::vector<std::optional<SurfaceMatch>> found((count + step - 1) / step);
+  for_each_row(static_cast<int>(found.size()), [&](int row) {
+    const std::size_t place = static_cast<std::size_t>(row) * step;
+    const std::uint32_t i =
+        from.sample.empty() ? static_cast<std::uint32_t>(place) : from.sample[place];
 
-  for_each_row(static_cast<int>(parts), [&](int row) {
-    const auto part = static_cast<std::size_t>(row);
-    for (std::size_t k = part * block; k < std::min(taken, (part + 1) * block); ++k) {
-      const std::size_t place = k * step;
-      const std::uint32_t i =
-          from.sample.empty() ? static_cast<std::uint32_t>(place) : from.sample[place];
+    const Eigen::Vector3f point = motion * from.points[i];
+    const Eigen::Vector3f normal = motion.linear() * from.normals[i];
+    const auto partner = partner_of(point, normal, to, farthest);
+    if (!partner) return;
 
-      const Eigen::Vector3f point = motion * from.points[i];
-      const Eigen::Vector3f normal = motion.linear() * from.normals[i];
-      const auto partner = partner_of(point, normal, to, farthest);
-      if (!partner) continue;
+    const SurfacePlace target = surface_at(to, *partner);
+    SurfaceMatch match{.place = point.cast<double>(),
+                       .first_normal = to.normals[*partner].cast<double>(),
+                       .second_normal = normal.cast<double>(),
+                       .sigma = std::hypot(sigma_of(from, i), target.sigma)};
+    const Eigen::Vector3d apart = target.place.cast<double>() - match.place;
+    match.distance = match.direction().dot(apart);
 
-      const SurfacePlace target = surface_at(to, *partner);
-      SurfaceMatch match{.place = point.cast<double>(),
-                         .first_normal = to.normals[*partner].cast<double>(),
-                         .second_normal = normal.cast<double>(),
-                         .sigma = std::hypot(sigma_of(from, i), target.sigma)};
-      const Eigen::Vector3d apart = target.place.cast<double>() - match.place;
-      match.distance = match.direction().dot(apart);
-
-      if (back) {
-        // All in the frame of the first view, which is `from` here.
-        const Eigen::Isometry3d home = pose.inverse();
-        match.place = home * target.place.cast<double>();
-        match.first_normal = from.normals[i].cast<double>();
-        match.second_normal = home.linear() * to.normals[*partner].cast<double>();
-        match.distance = -match.distance;
-      }
-      found[part].push_back(match);
+    if (back) {
+      // All in the frame of the first view, which is `from` here.
+      const Eigen::Isometry3d home = pose.inverse();
+      match.place = home * target.place.cast<double>();
+      match.first_normal = from.normals[i].cast<double>();
+      match.second_normal = home.linear() * to.normals[*partner].cast<double>();
+      match.distance = -match.distance;
     }
+    found[static_cast<std::size_t>(row)] = match;
   });
 
   std::vector<SurfaceMatch> all;
-  for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
+  for (const std::optional<SurfaceMatch>& match : found) {
+    if (match) all.push_back(*match);
+  }
   return all;
 }
 

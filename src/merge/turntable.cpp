@@ -249,14 +249,12 @@ Turntable most_agreed(std::size_t views, std::span<const PairPose> pairs,
 Turntable fitted_to_poses(Turntable table, std::span<const PairPose> pairs, bool hold_step) {
   throw_if(table.angles.empty(), "the views are not all connected by pairs that overlap");
   constexpr int rounds = 30;
-  constexpr double reach = 4.7;  // of Tukey's biweight, in deviations of most
 
   for (int round = 0; round < rounds; ++round) {
     const double scale = scale_of(deviations_of(table, pairs));
     const auto equations = [&](std::size_t k, const Eigen::Isometry3d& pose) {
       const PairPose& pair = pairs[k];
-      const double u = deviation_of(table, pair) / (reach * scale);
-      const double weight = u < 1 ? std::pow(1 - u * u, 2) / (scale * scale) : 0;
+      const double weight = tukey_weight(deviation_of(table, pair) / scale) / (scale * scale);
       const Matrix6 information = weight * pair.information;
       return PairEquations{information, information * motion_between(pose, pair.pose, pair.centre),
                            information, pair.centre};

@@ -22,16 +22,6 @@ namespace {
 constexpr std::size_t fewest_points = 100;
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
-/// Calls `body(first, end)` for parts of a range, in parallel.
-template <class Body>
-void for_each_part(std::size_t count, const Body& body) {
-  constexpr std::size_t size = 1024;
-  for_each_row(static_cast<int>((count + size - 1) / size), [&](int part) {
-    const std::size_t first = static_cast<std::size_t>(part) * size;
-    body(first, std::min(first + size, count));
-  });
-}
-
 /// Median distance of a point from its nearest neighbour.
 float median_spacing(std::span<const Eigen::Vector3f> points) {
   constexpr std::size_t most_looked_at = 2000;
@@ -249,23 +239,22 @@ View view_of(const Cloud& cloud, const Uncertainty* uncertainty, std::string nam
 
   // 2. The normals, and the noise along them.
   view.normals.resize(view.size());
-  for_each_part(view.size(), [&](std::size_t first, std::size_t end) {
-    for (std::size_t i = first; i < end; ++i) {
-      const Eigen::Vector3f& point = view.points[i];
-      Eigen::Vector3f normal = local_plane(grid, view.points, point, radius).normal;
-      const Eigen::Vector3f outwards = view.from_origin ? Eigen::Vector3f(-point) : point - middle;
-      if (normal.dot(outwards) < 0) normal = -normal;
+  for_each_row(static_cast<int>(view.size()), [&](int row) {
+    const auto i = static_cast<std::size_t>(row);
+    const Eigen::Vector3f& point = view.points[i];
+    Eigen::Vector3f normal = local_plane(grid, view.points, point, radius).normal;
+    const Eigen::Vector3f outwards = view.from_origin ? Eigen::Vector3f(-point) : point - middle;
+    if (normal.dot(outwards) < 0) normal = -normal;
 
-      view.normals[i] = normal;
-      float& sigma = view.sigma[i];
-      if (std::isfinite(sigma) && sigma > 0) {
-        sigma *= std::abs(normal.dot(point.normalized()));
-      } else {
-        sigma = noise;
-      }
-      // Rounding of the files, and rays along the surface.
-      sigma = std::max({sigma, noise / 10, 1e-4F * view.spacing});
+    view.normals[i] = normal;
+    float& sigma = view.sigma[i];
+    if (std::isfinite(sigma) && sigma > 0) {
+      sigma *= std::abs(normal.dot(point.normalized()));
+    } else {
+      sigma = noise;
     }
+    // Rounding of the files, and rays along the surface.
+    sigma = std::max({sigma, noise / 10, 1e-4F * view.spacing});
   });
 
   // 3. Points with a normal.

@@ -221,6 +221,8 @@ void ScanJob::match_cameras(const CheckedJob& job, ScanResult& result) {
   const Scan& scan = job.scan;
   const Scan& second = scan.further_cameras.front();
   const EngineSetup& setup = job.setup;
+  throw_if(scan.further_cameras.size() > 1, "two cameras can be matched, not {}",
+           1 + scan.further_cameras.size());
 
   // 1. Without a calibrated projector, places with equal coordinates match.
   if (!scan.scanner) {

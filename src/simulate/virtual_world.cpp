@@ -206,9 +206,12 @@ Photometry photometry_named(std::string_view text) {
   return photometry;
 }
 
-Scanner second_scanner(const Scanner& first) {
-  constexpr double past_the_projector = 1.6;
-  const Eigen::Vector3d centre = past_the_projector * projector_centre(first);
+Scanner second_scanner(const Scanner& first, int number) {
+  constexpr double past_the_projector = 1.6, above = 0.6;           // baselines
+  const int level = (number - 1) / 2 * (number % 2 == 0 ? 1 : -1);  // 0, -1, 1, -2 and so on
+  const Eigen::Vector3d centre =
+      past_the_projector * projector_centre(first) +
+      above * level * projector_centre(first).norm() * Eigen::Vector3d::UnitY();
 
   // From the first camera's frame to the second's.
   const Eigen::Matrix3d turn = looking_along(working_volume(first).centre - centre);
@@ -233,10 +236,11 @@ Scene seen_from_second(const Scene& scene, const Scanner& first, const Scanner& 
   return seen;
 }
 
-VirtualWorld seen_from_second(const VirtualWorld& first) {
-  VirtualWorld second{.scanner = second_scanner(first.scanner), .photometry = first.photometry};
+VirtualWorld seen_from_second(const VirtualWorld& first, int number) {
+  VirtualWorld second{.scanner = second_scanner(first.scanner, number),
+                      .photometry = first.photometry};
   second.scene = seen_from_second(first.scene, first.scanner, second.scanner);
-  second.photometry.seed = ~first.photometry.seed;
+  second.photometry.seed = ~first.photometry.seed + static_cast<std::uint64_t>(number - 2);
   return second;
 }
 

@@ -100,6 +100,16 @@ TEST_F(MergeProgram, FindsTheAxisOfATurntable) {
   EXPECT_GT(std::abs(table["direction"][1].get<double>()), 0.999);
 }
 
+TEST_F(MergeProgram, NamesViewsOfAnObjectThatBentMeanwhile) {
+  const ProgramRun run = run_program(
+      {"merge", shot("a.ply", relief(), first_pose), shot("bb.ply", relief(1.5), second_pose),
+       shot("ccc.ply", relief(3), first_pose), "-o", path("model.ply")});
+  EXPECT_EQ(run.exit_code, 0);
+  const std::string named =
+      path("a.ply") + " and " + path("ccc.ply") + " do not fit at the joint poses";
+  EXPECT_NE(run.err.find(named), std::string::npos) << run.err;
+}
+
 TEST_F(MergeProgram, RefusesPlanesAndWritesNothing) {
   const Mesh plane = plate([](double, double) { return 0.0; });
   const ProgramRun run = run_program({"merge", shot("a.ply", plane, first_pose),

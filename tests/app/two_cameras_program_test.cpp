@@ -110,6 +110,26 @@ TEST_F(TwoCamerasProgram, FlagsNameTheSecondCamera) {
   EXPECT_EQ(read_file(path("named.ply")), read_file(path("own.ply")));
 }
 
+TEST_F(TwoCamerasProgram, FusesThreeCamerasToOneCloud) {
+  const std::string folder = scan({"--second-camera", "--strategy", "dual-frequency"});
+  const auto fused = json_of(
+      {"reconstruct", folder, "-o", path("fused.ply"), "--mesh", path("fused.stl")})["scans"][0];
+  ASSERT_EQ(fused["points_of_cameras"].size(), 3U);
+  for (const auto& points : fused["points_of_cameras"]) EXPECT_GT(fused["points"], points);
+  EXPECT_EQ(point_count(read_cloud(path("fused.ply")).cloud), fused["points"]);
+  EXPECT_GT(point_count(read_cloud(path("fused.stl")).cloud), 1000U);
+
+  // Two only if asked for.
+  const auto two = json_of({"reconstruct", folder + "/second", "--second-camera",
+                            folder + "/camera-3", "--fuse", "-o", path("two.ply")})["scans"][0];
+  EXPECT_EQ(two["points_of_cameras"].size(), 2U);
+
+  const ProgramRun alone =
+      run_program({"reconstruct", folder, "--one-camera", "--fuse", "-o", path("one.ply")});
+  EXPECT_EQ(alone.exit_code, 2);
+  EXPECT_NE(alone.err.find("--fuse"), std::string::npos) << alone.err;
+}
+
 TEST_F(TwoCamerasProgram, ARealHandNeedsNeitherDepthsNorOrigin) {
   const fs::path hand = shared_data() / "bsc-hand";
   if (!fs::exists(hand)) GTEST_SKIP() << hand << " is not there";
@@ -130,10 +150,21 @@ TEST_F(TwoCamerasProgram, ARealHandNeedsNeitherDepthsNorOrigin) {
     }
     write_file(path(fmt::format("camera{}.yaml", camera)), scanner);
   }
-  const auto told = json_of(
-      {"reconstruct", (hand / "cam1").string(), "--second-camera", (hand / "cam2").string(),
-       "--scanner", path("camera1.yaml"), "--second-scanner", path("camera2.yaml"), "--strategy",
-       "pmp", "--steps", "4", "--frequency", "28.5", "--motion", "2", "--windows", "2:3"});
+  std::vector<std::string> arguments{"reconstruct",      (hand / "cam1").string(),
+                                     "--second-camera",  (hand / "cam2").string(),
+                                     "--scanner",        path("camera1.yaml"),
+                                     "--second-scanner", path("camera2.yaml"),
+                                     "--strategy",       "pmp",
+                                     "--steps",          "4",
+                                     "--frequency",      "28.5",
+                                     "--motion",         "2",
+                                     "--windows",        "2:3"};
+  const auto told = json_of(arguments);
+  // Each camera resolves the other's fringe orders, and all points become one cloud.
+  arguments.insert(arguments.end(), {"--fuse", "-o", path("fused.ply")});
+  const auto fused = json_of(arguments)["scans"][0];
+  for (const auto& points : fused["points_of_cameras"]) EXPECT_GT(fused["points"], points);
+
   const auto& scan = told["scans"][0];
   const double points = scan["points"], pixels = scan["pixels"];
   const double dark = scan["counts"]["too dark"];

@@ -180,7 +180,7 @@ TEST(SavedScan, HasTheSecondCamerasScanWithIt) {
   const FrameSet frames = some_scan().frames;
   ScanFiles files = save_scan(folder.path(), frames, sequence, scanner);
   save_scan(folder.path() / "second", frames, sequence, scanner);
-  files.second_camera = folder.path() / "second";
+  files.further_cameras = {folder.path() / "second"};
   write_scan_files(folder.path() / "scan.yaml", files);
   const Scan read = load_scan(folder.path());
   ASSERT_EQ(read.further_cameras.size(), 1U);

@@ -26,7 +26,7 @@ TEST(ScanFolder, ScanFilesComesBackAsItWasWritten) {
       .bits = 12,
       .frames = {folder.path() / "a.png", folder.path() / "b.png"},
       .scanner = folder.path() / "scanner.yaml",
-      .second_camera = folder.path() / "second"};
+      .further_cameras = {folder.path() / "second", folder.path() / "third"}};
   write_scan_files(folder.path() / "scan.yaml", scan);
 
   const ScanFiles read = read_scan_files(folder.path() / "scan.yaml");
@@ -34,7 +34,7 @@ TEST(ScanFolder, ScanFilesComesBackAsItWasWritten) {
   EXPECT_EQ(read.bits, 12);
   EXPECT_EQ(read.frames, scan.frames);
   EXPECT_EQ(read.scanner, scan.scanner);
-  EXPECT_EQ(read.second_camera, scan.second_camera);
+  EXPECT_EQ(read.further_cameras, scan.further_cameras);
 }
 
 TEST(ScanFolder, ScanFilesHaveOneAxisOrBoth) {

@@ -120,8 +120,8 @@ TEST(PairAlignmentRoughOverlapAt, AllowsForPosesThatAreOffByTwoCells) {
 class PairAlignmentTable : public testing::TestWithParam<double> {};
 
 TEST_P(PairAlignmentTable, HasNoWrongPose) {
-  const std::vector<std::pair<std::string, Mesh>> scenes{{"statue", large_statue()},
-                                                         {"relief", relief()}};
+  const std::vector<std::pair<std::string, Mesh>> scenes{
+      {"statue", large_statue()}, {"relief", relief()}, {"engine part", engine_part()}};
   int joined = 0, pairs = 0;
   for (const auto& [name, mesh] : scenes) {
     for (int k = 0; k < 4; ++k) {

@@ -45,10 +45,28 @@ Mesh plate(const Height& height) {
   return mesh;
 }
 
-inline Mesh relief() {
-  return plate([](double x, double y) {
+/// `bend`: how far its sides are bent from the middle, mm.
+inline Mesh relief(double bend = 0) {
+  return plate([bend](double x, double y) {
     const double bump = std::exp(-(std::pow(x - 30, 2) + std::pow(y + 20, 2)) / 300);
-    return 6 * std::sin(x / 17 + y / 31) * std::cos(y / 23) + 5 * bump + 3 * std::sin(x * y / 900);
+    return 6 * std::sin(x / 17 + y / 31) * std::cos(y / 23) + 5 * bump + 3 * std::sin(x * y / 900) +
+           bend * x * x / 10000;
+  });
+}
+
+/// A cover with two rows of four equal bores; a rib and a boss tell its ends apart.
+inline Mesh engine_part() {
+  return plate([](double x, double y) {
+    double z = 0;
+    for (const double row : {-40, 40}) {
+      for (const double column : {-75, -25, 25, 75}) {
+        const double apart = std::hypot(x - column, y - row);
+        z = std::max(z, std::clamp(2 * (17 - apart), 0.0, 12.0));
+      }
+    }
+    const double rib = std::clamp(8 - std::abs(y - 0.15 * x), 0.0, 5.0);
+    const double boss = std::clamp(22 - std::hypot(x - 50, y), 0.0, 14.0);
+    return std::max(rib, boss) - z;
   });
 }
 

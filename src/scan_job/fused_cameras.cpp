@@ -1,0 +1,108 @@
+#include "scan_job/fused_cameras.h"
+
+#include <algorithm>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "base/throw_if-inl.h"
+#include "reconstruct/camera_pair.h"
+#include "reconstruct/coordinate_map.h"
+#include "reconstruct/phase_matcher.h"
+#include "reconstruct/points.h"
+
+namespace slipstream {
+namespace {
+
+/// From the camera's frame to the projector's.
+Eigen::Isometry3d rig_of(const Scanner& scanner) {
+  return Eigen::Translation3d(scanner.translation) * Eigen::Isometry3d(scanner.rotation);
+}
+
+/// From the camera's frame to the first camera's.
+Eigen::Isometry3d to_first(const Scanner& camera, const Scanner& first) {
+  return rig_of(first).inverse() * rig_of(camera);
+}
+
+}  // namespace
+
+std::vector<Scan> scans_of_cameras(Scan scan) {
+  std::vector<Scan> further = std::exchange(scan.further_cameras, {});
+  std::vector<Scan> scans;
+  scans.push_back(std::move(scan));
+  std::ranges::move(further, std::back_inserter(scans));
+  return scans;
+}
+
+ReconstructSettings settings_for(const Scanner& camera, const Scanner& first,
+                                 ReconstructSettings settings) {
+  CleanSettings& clean = settings.clean;
+  clean.outline.clear();
+  if (!clean.box) return settings;
+
+  FramePose frame{.from = std::string(camera_frame), .to = std::string(camera_frame)};
+  if (clean.box_frame) frame = pose_from_frame(*clean.box_frame, camera_frame);
+  frame.transform = frame.transform * to_first(camera, first);
+  clean.box_frame = std::make_shared<const FramePose>(std::move(frame));
+  return settings;
+}
+
+std::vector<ScanResult> points_by_each_other(const CheckedJob& job) {
+  const Scan &first = job.scan, &second = job.scan.further_cameras.front();
+  std::vector<ScanResult> cameras;
+
+  for (const auto& [one, other] : {std::pair(&first, &second), std::pair(&second, &first)}) {
+    // 1. The camera's coordinates, in the orders that the other confirms.
+    ScanResult& camera = cameras.emplace_back();
+    EngineSetup& setup = camera.setup = setup_for(*one, job.setup.settings);
+    if (one == &second) {
+      setup.settings = settings_for(setup.scanner, job.setup.scanner, setup.settings);
+    }
+    PhaseMatcher match(setup.scanner, setup_for(*other).scanner, setup.sequence, setup.settings);
+    PhaseMatcher::Result matched = match(*one, *other);
+    camera.maps = std::move(matched.maps);
+
+    // 2. Where the camera's rays meet the projector's light there, and how noise moves these
+    // points.
+    camera.cloud = cloud_of_coordinates(converted<double>(camera.maps.coordinate), setup);
+    camera.cloud.intensity = std::move(matched.cloud.intensity);
+    camera.cloud.colour = one->colour;
+    camera.uncertainty =
+        uncertainty_of(camera.cloud, camera.maps, setup, one->frames.views().full_scale());
+  }
+
+  return cameras;
+}
+
+FusedModel fused_cameras(std::span<const ScanResult> cameras,
+                         const std::shared_ptr<const FramePose>& frame) {
+  constexpr std::size_t fewest = 100;  // points of a view
+
+  const Scanner& first = cameras.front().setup.scanner;
+  std::vector<View> views;
+  std::vector<std::optional<Eigen::Isometry3d>> poses;
+
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const Cloud& cloud = cameras[i].cloud;
+    const std::optional<Uncertainty>& uncertainty = cameras[i].uncertainty;
+    const std::size_t points = count_by_validity(cloud).front();
+    throw_if(points < fewest, "camera {} measures only {} points; {} or more of each are needed",
+             i + 1, points, fewest);
+    views.push_back(view_of(cloud, uncertainty ? &*uncertainty : nullptr, {},
+                            cloud.colour.empty() ? nullptr : &cloud.colour));
+
+    const Scanner& scanner = cameras[i].setup.scanner;
+    if (i > 0) require_pair(first, scanner, {});
+    const Eigen::Isometry3d pose = to_first(scanner, first);
+    poses.emplace_back(frame ? frame->transform * pose : pose);
+  }
+
+  std::vector<const View*> sources;
+  for (const View& view : views) sources.push_back(&view);
+  FusedModel model = fuse(sources, poses);
+  model.frame = frame;
+  return model;
+}
+
+}  // namespace slipstream

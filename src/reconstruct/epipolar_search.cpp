@@ -19,36 +19,36 @@ constexpr int fine_reach = 12;
 
 }  // namespace
 
-float angle_of(Phasor z) {
-  if (!(std::abs(z.imag()) <= z.real())) return std::atan2(z.imag(), z.real());
-
-  // arctan t as an odd polynomial, for |t| up to 1.
-  const float t = z.imag() / z.real(), t2 = t * t;
-  return t * (0.9998660F +
-              t2 * (-0.3302995F + t2 * (0.1801410F + t2 * (-0.0851330F + t2 * 0.0208351F))));
+float EpipolarSearch::slope(std::size_t i, const Eigen::Vector2f& at,
+                            const Eigen::Vector2f& pixel) const {
+  // Central difference over two pixels of the second camera.
+  const Phasor before = near_phasor(second_, second_.bands[i], at - pixel);
+  const Phasor after = near_phasor(second_, second_.bands[i], at + pixel);
+  if (before == Phasor(0) || after == Phasor(0)) return std::numeric_limits<float>::quiet_NaN();
+  return 0.5F * angle_of(after * std::conj(before));
 }
 
 EpipolarMatch EpipolarSearch::by_newton(std::size_t i, float start, int farthest) const {
   constexpr int most_steps = 4;
-  constexpr float near = 0.01F;  // rad: the last step's error is of second order
+  constexpr float near = 0.03F;  // rad: the last step's error is of second order
 
   Eigen::Vector2f at = place(start);
   const Eigen::Vector2f direction = pixels_per_w(start, at);
-  const float limit = static_cast<float>(farthest) / direction.norm();
+  const float speed = direction.norm();  // pixels over w
+  const float limit = static_cast<float>(farthest) / speed;
 
-  float w = start, slope = 0;
+  float w = start, along = 0;
   for (int n = 0; n < most_steps; ++n) {
     const float d = difference(i, at);
-    if (!std::isfinite(d)) return {};
 
     // The slope changes less than the phase: every other step takes the one of the step before.
-    if (n % 2 == 0) slope = gradient(second_.bands[i], at).dot(direction);
+    if (n % 2 == 0) along = slope(i, at, direction / speed);
 
-    const float step = -d / slope;
-    if (!(std::abs(w + step - start) <= limit)) return {};
+    const float step = -d / (along * speed);
+    if (!(std::abs(w + step - start) <= limit)) return {};  // NaN, too
 
     w += step;
-    if (std::abs(d) < near) return {w, at + step * direction, direction};
+    if (std::abs(d) < near) return {w, at + step * direction, direction, along};
     at = place(w);
   }
 
@@ -102,8 +102,8 @@ EpipolarMatch EpipolarSearch::by_places(std::size_t i, float start, int farthest
 
   if (std::isnan(nearest)) return {};
 
-  const Eigen::Vector2f at = place(nearest);
-  return {nearest, at, pixels_per_w(nearest, at)};
+  const Eigen::Vector2f at = place(nearest), along = pixels_per_w(nearest, at);
+  return {nearest, at, along, slope(i, at, along.normalized())};
 }
 
 BandSearch band_search(const Layout& layout, int width) {

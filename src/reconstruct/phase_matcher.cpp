@@ -279,8 +279,7 @@ std::optional<PhaseMatcher::CertainMatch> PhaseMatcher::certain_match(int column
   const EpipolarSearch line(tables.there, first, second, column, row);
   const EpipolarMatch match = match_pixel(line, guess, tables.bands);
   if (!match.is_found()) return std::nullopt;
-  const float slope = line.slope(tables.bands.fringes.size() - 1, match);
-  if (!std::isfinite(slope) || slope == 0) return std::nullopt;
+  if (!std::isfinite(match.slope) || match.slope == 0) return std::nullopt;
 
   // 3. Where the order is uncertain, the match must be nearer to the guess than a quarter of a
   //    period, and the second camera must find the same point. With frames along the other axis,
@@ -295,7 +294,7 @@ std::optional<PhaseMatcher::CertainMatch> PhaseMatcher::certain_match(int column
 
   // Phase noise is proportional to 1 / B, and noise of w is phase noise divided by the slope.
   return CertainMatch{.inverse_depth = match.w,
-                      .weight = slope * slope * std::norm(first.bands.back()(column, row)),
+                      .weight = match.slope * match.slope * std::norm(first.bands.back()(column, row)),
                       .pixel_step = 1 / match.direction.norm()};
 }
 

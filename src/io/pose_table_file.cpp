@@ -233,7 +233,7 @@ void require_one_pose(const std::string& line) {
     refuse_if(dense.find(list) != dense.npos, "joint angles");
   }
 
-  for (const std::string& word : words_in(line, " \t\r,;{}[]()=:")) {
+  for (const std::string_view word : words_of(line, " \t\r,;{}[]()=:")) {
     const auto other = others.find(plain_name(word));
     if (other != others.end()) refuse_if(true, other->second);
   }

@@ -12,6 +12,7 @@
 #include "app/capture_exposure.h"
 #include "app/guided_poses.h"
 #include "app/process.h"
+#include "app/rig_guard.h"
 #include "base/numbers.h"
 #include "codes/guard_sequence.h"
 #include "frames/colour_channels.h"
@@ -22,7 +23,6 @@
 #include "live/cyclic_scans.h"
 #include "simulate/turned_scene.h"
 #include "slipstream/scan_files.h"
-#include "slipstream/scan_job.h"
 #include "slipstream/strategy.h"
 #include "slipstream/virtual_world.h"
 
@@ -151,14 +151,9 @@ void add_guard(ScanFiles& files, Scan scan, FrameSet frames, const Sequence& gua
   save_guard(files, frames, guard);
   if (!scan.scanner || any_wrong(checked.findings)) return;
 
-  try {
-    scan.guard.push_back(merged({.frames = std::move(frames), .sequence = guard}));
-    GuardResult result = compare_with_guard(scan);
-    if (result.epipolar) tell_guard(*result.epipolar, "", output);
-    std::ranges::move(result.findings, std::back_inserter(checked.findings));
-  } catch (const Error& error) {  // the scan is saved, and may be read with other settings
-    output.warn(fmt::format("the guard is not compared: {}", error.what()));
-  }
+  scan.guard.push_back(merged({.frames = std::move(frames), .sequence = guard}));
+  GuardResult result = compared_with_guard(scan, {}, output);
+  std::ranges::move(result.findings, std::back_inserter(checked.findings));
 }
 
 /// The grey levels of a colour sensor's raw frames.

@@ -274,6 +274,9 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
   command.add_settings(source);
   command.add("--monitor", flags.monitor,
               "show the patterns on this monitor, see `project --list`, and take them in step");
+  command.add("--no-guard", flags.no_guard,
+              "with --monitor: do not take a guard at the start, which shows whether the rig has "
+              "moved since calibration");
   command.add("--duration", flags.duration, "stop after this many seconds");
   command.add("--frames", flags.live.most_frames, "stop after this many frames");
 

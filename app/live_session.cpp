@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "app/rig_guard.h"
 #include "app/session_outputs.h"
 #include "app/session_settings.h"
 #include "frames/paired_source.h"
@@ -50,27 +51,27 @@ EngineSetup setup_from(const NamedSource& opened, const LiveFlags& flags, Output
   return setup;
 }
 
-/// Puts the camera in step with the patterns on a monitor. Exposures become whole refreshes: a
-/// projector's light changes within each.
-const SteppedSource& step_with(const MonitorProjector& projector, bool triggered,
-                               NamedSource& opened, Output& output) {
-  // 1. Round the exposure to whole refreshes of the monitor.
-  CameraControls* const controls = opened.frames->controls();
+/// Exposures become whole refreshes of the monitor: a projector's light changes within each.
+void expose_for_whole_refreshes(const MonitorProjector& projector, FrameSource& camera,
+                                Output& output) {
+  CameraControls* const controls = camera.controls();
   const auto exposure = controls ? controls->control(CameraControl::exposure) : std::nullopt;
-  if (exposure) {
-    const double refresh = 1e3 / projector.refresh_hz;
-    const double refreshes = std::max(1.0, std::round(exposure->value / refresh));
-    if (std::abs(exposure->value - refreshes * refresh) > 0.01 * refresh) {
-      controls->set_control(CameraControl::exposure, refreshes * refresh);
-      output.say("exposure {:.4g} ms: {} of the monitor's refreshes", refreshes * refresh,
-                 refreshes);
-    }
-  }
+  if (!exposure) return;
 
-  // 2. Wrap the camera: from here on it delivers one frame per pattern shown.
+  const double refresh = 1e3 / projector.refresh_hz;
+  const double refreshes = std::max(1.0, std::round(exposure->value / refresh));
+  if (std::abs(exposure->value - refreshes * refresh) > 0.01 * refresh) {
+    controls->set_control(CameraControl::exposure, refreshes * refresh);
+    output.say("exposure {:.4g} ms: {} of the monitor's refreshes", refreshes * refresh, refreshes);
+  }
+}
+
+/// Puts the camera in step with the patterns on a monitor: from here on it delivers one frame per
+/// pattern shown.
+const SteppedSource& step_with(const MonitorProjector& projector, bool triggered,
+                               NamedSource& opened) {
   auto stepped = std::make_unique<SteppedSource>(*projector.sink, std::move(opened.frames),
                                                  pictures_to_show(opened.sequence), triggered);
-
   const SteppedSource& source = *stepped;
   opened.frames = std::move(stepped);
   return source;
@@ -189,7 +190,10 @@ LiveSession::LiveSession(LiveFlags flags, Output& output)
 
   // 4. In step with the monitor; from here on the source shows the patterns.
   if (flags_.monitor) {
-    stepped_ = &step_with(projector_, request.camera.trigger == "Software", opened, output_);
+    const bool triggered = request.camera.trigger == "Software";
+    expose_for_whole_refreshes(projector_, *opened.frames, output_);
+    if (!flags_.no_guard) check_rig(projector_, triggered, setup_, opened, output_);
+    stepped_ = &step_with(projector_, triggered, opened);
   }
 
   // 5. Recording: the pipeline reads frames through it, whether or not they are written.

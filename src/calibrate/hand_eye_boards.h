@@ -14,7 +14,7 @@ namespace slipstream {
 /// The convention of the tables below.
 PoseConvention board_table_convention();
 
-/// The board in a picture of the camera alone, grey levels of 8 bits; nullopt if none is visible.
+/// The board in a picture of the camera alone, grey levels of 8 bits; nullopt if it shows no board.
 std::optional<BoardView> board_in_picture(const std::string& name, const CalibrationBoard& board,
                                           const Image<float>& picture);
 

@@ -352,7 +352,9 @@ class CodeJudge {
     if (!alone && !fine) edges_.sum_up(evidence);
 
     if (alone && !code_.inverses.empty()) {
-      const int finer = steps_[Place::right].too_fine(code_.gray);
+      // The stripes part neighbours along the patterns' axis alone.
+      const int finer = std::max(steps_[Place::right].too_fine(code_.gray),
+                                 steps_[Place::below].too_fine(code_.gray));
       const auto resolved = unsure_ | std::views::drop(finer);
       evidence.unsure = resolved.empty() ? 1 : std::ranges::max(resolved) / n;
     }

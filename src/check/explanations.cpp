@@ -132,19 +132,45 @@ bool is_hopeless(const GeometryEvidence& geometry) {
          geometry.outside + geometry.without_point > most_outside;
 }
 
-/// Names a broad cause if no common mistake explains the misfit.
-void name_broadly(const Fit& fit, bool response_known, Finding& finding) {
-  const auto& geometry = fit.geometry;
+Cause unknown_gamma() {
+  return {CauseKind::gamma, "the projector's gamma, if it is not 1"};
+}
+
+/// Names broad causes of frames that do not fit.
+void name_frames_broadly(const Fit& fit, bool response_known, Finding& finding) {
   // Beyond these, too few pixels are right to separate them from wrong ones.
   constexpr double hopeless_agreement = 0.35, hopeless_offset = 0.25, hopeless_residual = 0.15;
   // More would have been explained by a gamma.
   constexpr double most_by_gamma = 0.2;
 
+  const auto hopeless = [](const BandRelation& relation) {
+    return !relation.agrees() &&
+           (relation.agreement < hopeless_agreement || std::abs(relation.offset) > hopeless_offset);
+  };
+  const auto& relations = fit.frames.relations;
+  if (fit.frames.residual > hopeless_residual || std::ranges::any_of(relations, hopeless)) {
+    finding.severity = Severity::wrong;
+  }
+
+  finding.causes = {{CauseKind::unclear,
+                     "wrong pattern settings, lost or mixed-up frames, or motion during capture"}};
+  finding.remedies = {{"compare the frames with the output of `patterns()`"}};
+  if (response_known || fit.frames.residual > most_by_gamma) return;
+  finding.causes.push_back(unknown_gamma());
+
+  // Bands that agree have the right settings and order: a response is likelier.
+  const bool is_right_order = !relations.empty() && fit.has_evidence() && fit.bands_agree() &&
+                              fit.code_agrees() && fit.no_seam();
+  if (!is_right_order || finding.severity == Severity::wrong) return;
+  std::ranges::reverse(finding.causes);
+  finding.remedies.insert(finding.remedies.begin(), {"measure the gamma with `calibrate_gamma()`"});
+}
+
+/// Names a broad cause if no common mistake explains the misfit.
+void name_broadly(const Fit& fit, bool response_known, Finding& finding) {
+  const auto& geometry = fit.geometry;
   const auto blame = [&](CauseKind kind, std::string_view text) {
     finding.causes.push_back({kind, std::string(text)});
-  };
-  const auto blame_gamma = [&] {
-    if (!response_known) blame(CauseKind::gamma, "the projector's gamma, if it is not 1");
   };
 
   finding.severity = Severity::doubtful;
@@ -156,7 +182,9 @@ void name_broadly(const Fit& fit, bool response_known, Finding& finding) {
     for (const auto& [kind, text] : worst.causes) {
       if (!text.empty()) blame(kind, text);
     }
-    if (worst.value == &CodeEvidence::doubt) blame_gamma();
+    if (worst.value == &CodeEvidence::doubt && !response_known) {
+      finding.causes.push_back(unknown_gamma());
+    }
     finding.remedies = {{fmt::format("{} the output of `patterns()`", worst.compare)}};
   } else if (fit.frames.damping > 0) {
     finding.evidence.push_back(
@@ -166,19 +194,7 @@ void name_broadly(const Fit& fit, bool response_known, Finding& finding) {
           "the field are wrong");
     finding.remedies = {{"focus both lenses, use larger pictures or fewer periods (`high`)"}};
   } else if (!fit.frames_fit()) {
-    const auto hopeless = [](const BandRelation& relation) {
-      return !relation.agrees() && (relation.agreement < hopeless_agreement ||
-                                    std::abs(relation.offset) > hopeless_offset);
-    };
-    const auto& relations = fit.frames.relations;
-    if (fit.frames.residual > hopeless_residual || std::ranges::any_of(relations, hopeless)) {
-      finding.severity = Severity::wrong;
-    }
-
-    blame(CauseKind::unclear,
-          "wrong pattern settings, lost or mixed-up frames, or motion during capture");
-    if (fit.frames.residual <= most_by_gamma) blame_gamma();
-    finding.remedies = {{"compare the frames with the output of `patterns()`"}};
+    name_frames_broadly(fit, response_known, finding);
   } else if (!fit.geometry_fits()) {
     if (is_hopeless(*geometry)) finding.severity = Severity::wrong;
     blame(CauseKind::unclear,

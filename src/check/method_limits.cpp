@@ -5,7 +5,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -154,26 +156,66 @@ std::pair<double, double> fitted_gamma(const std::vector<LightRow>& rows, double
   return {factors[gamma], error};
 }
 
+/// Groups in parts of the picture with as many in each: halves from left to right, and each of them
+/// from top to bottom. One part if they are few.
+std::vector<std::vector<std::size_t>> parts_of_picture(const ScanSamples& samples) {
+  constexpr std::size_t parts = 4, most_groups = parts * ScanSamples::fewest_groups;
+  std::vector<std::size_t> groups(std::min(most_groups, samples.groups()));
+  std::iota(groups.begin(), groups.end(), std::size_t{0});
+  if (groups.size() < most_groups) return {groups};
+
+  const std::span all(groups);
+  std::ranges::sort(all, {}, [&](std::size_t g) { return samples.column(g); });
+  for (const auto half : {all.first(most_groups / 2), all.last(most_groups / 2)}) {
+    std::ranges::sort(half, {}, [&](std::size_t g) { return samples.row(g); });
+  }
+
+  std::vector<std::vector<std::size_t>> found;
+  for (std::size_t part = 0; part < parts; ++part) {
+    const auto of_part = all.subspan(part * ScanSamples::fewest_groups, ScanSamples::fewest_groups);
+    found.emplace_back(of_part.begin(), of_part.end());
+  }
+  return found;
+}
+
+/// Gamma - 1 and its standard error: the mean over parts of the picture, and how far they differ.
+/// Each has its own ambient light, which no plane describes over a whole picture.
+std::pair<double, double> gamma_of_parts(const JudgedScan& scan, double most_offset) {
+  std::vector<double> found;
+  double sum = 0, squares = 0;
+  SampleReading reading;
+
+  for (const std::vector<std::size_t>& part : parts_of_picture(scan.samples)) {
+    std::vector<LightRow> rows;
+    for (const std::size_t group : part) add_rows(scan, group, reading, rows);
+
+    const auto [gamma, error] = fitted_gamma(rows, most_offset);
+    found.push_back(gamma);
+    sum += gamma;
+    squares += error * error;
+  }
+
+  // Standard error of the mean: by noise, or by the spread of the parts.
+  const auto count = static_cast<double>(found.size());
+  double spread = 0;
+  for (const double gamma : found) spread += std::pow(gamma - sum / count, 2);
+  const double degrees = std::max(1.0, count - 1);
+  return {sum / count, std::sqrt(std::max(squares / count, spread / degrees) / count)};
+}
+
 /// A warning if no response is known, a usual gamma would distort the phase by more than its noise,
 /// rad, and the frames do not prove that there is none.
 std::optional<Finding> unknown_response(const JudgedScan& scan, double noise) {
   // Correct scans: within 0.04, by light between surfaces.
   constexpr double linear = 0.06, most_usual = 1.8;  // gamma - 1
-  constexpr std::size_t most_groups = 256;
 
   // Too weak a gamma for the noise to show needs no warning.
   const double bend = phase_error_of_gamma(scan), least = noise / bend;
   if (scan.photometry.response || least > most_usual) return std::nullopt;
 
-  std::vector<LightRow> rows;
-  SampleReading reading;
-  for (std::size_t g = 0; g < std::min(most_groups, scan.samples.groups()); ++g) {
-    add_rows(scan, g, reading, rows);
-  }
-
   // Of the camera's range; few cameras and rooms have as much.
   const double most_offset = std::max(0.125, 1.5 * scan.photometry.ambient.value_or(0) / 255);
-  const auto [off, error] = fitted_gamma(rows, most_offset);
+  const auto [off, error] = gamma_of_parts(scan, most_offset);
 
   const double doubt = 3 * error, most = std::max(linear, least);
   if (std::abs(off) + doubt <= most) return std::nullopt;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <Eigen/Core>
@@ -17,7 +18,13 @@ struct Surroundings {
   Eigen::Vector2d away = Eigen::Vector2d::Zero();  ///< sum of the directions from unlit pixels
   std::array<double, 9> change{};  ///< of the coordinate, to each neighbour on the surface; else 0
   double brightest = 0;            ///< modulation of the surface
+  double across = 0;               ///< distance between pixels, mm
 };
+
+// Of a step, in distances between pixels: 79 degrees and more may be an edge. Across the largest
+// ones a mixture of both surfaces would lack modulation, and be rejected.
+constexpr double steep = 5, largest = 20;
+constexpr double deviations = 5.5;  // as where clouds are cleaned
 
 /// Direction from a pixel to neighbour `i` of 0 to 8; 4 is itself.
 Eigen::Vector2d to_neighbour(int i) {
@@ -39,15 +46,9 @@ bool is_off_surface(Validity validity) {
 /// of the coordinate.
 Surroundings surroundings(const Cloud& cloud, const Maps& maps, int column, int row,
                           double depth_by_y, double noise) {
-  // Of a step, in distances between pixels: 79 degrees and more may be an edge. Across the largest
-  // ones a mixture of both surfaces would lack modulation, and be rejected.
-  constexpr double steep = 5, largest = 20;
-  constexpr double deviations = 5.5;  // as where clouds are cleaned
-
   const Eigen::Vector3d here = position_at(cloud, column, row);
   Surroundings around{.brightest = maps.modulation(column, row)};
   std::array<double, 9> unseen{};  // changes to lit neighbours without a point
-  double across = 0;               // distance between pixels, mm
 
   for (int i = 0; i < 9; ++i) {
     const int x = column + i % 3 - 1, y = row + i / 3 - 1;
@@ -71,14 +72,14 @@ Surroundings surroundings(const Cloud& cloud, const Maps& maps, int column, int 
       around.change[i] = std::max(change, std::abs(there.z() - here.z()) / depth_by_y);
       around.brightest = std::max(around.brightest, double{maps.modulation(x, y)});
       const Eigen::Vector2d apart = there.head<2>() / there.z() - here.head<2>() / here.z();
-      across = std::max(across, here.z() * apart.norm() / to_neighbour(i).norm());
+      around.across = std::max(around.across, here.z() * apart.norm() / to_neighbour(i).norm());
     }
   }
 
   // Saturated pixels, and those outside of a region, have no point but a coordinate: it shows
   // whether the surface continues. A frontal one changes it by less than one distance.
   for (int i = 0; i < 9; ++i) {
-    const double limit = (steep + 1) * across * to_neighbour(i).norm() / depth_by_y;
+    const double limit = (steep + 1) * around.across * to_neighbour(i).norm() / depth_by_y;
     around.at_step |= !(unseen[i] <= limit + deviations * noise);
   }
 
@@ -86,7 +87,7 @@ Surroundings surroundings(const Cloud& cloud, const Maps& maps, int column, int 
 }
 
 /// Change of the coordinate over a pixel, at most, along a direction of the picture and 45 degrees
-/// beside it; in all directions if nothing is there.
+/// beside it; in all directions without a change there.
 double change_along(const Surroundings& around, const Eigen::Vector2d& direction) {
   constexpr double beside = 0.7;
   double along = 0, all = 0;
@@ -128,6 +129,44 @@ double pull_of_contrast(const Cloud& cloud, const Maps& maps, int column, int ro
   return seen * std::abs(pull) / maps.modulation(column, row);
 }
 
+/// How far the depth changes within two pixels, mm, if a step lies as near: between two pixels side
+/// by side, one of them beside this one, or across a pixel without light. Else 0.
+double change_within_blur(const Cloud& cloud, const Surroundings& around, int column, int row,
+                          double noise) {
+  constexpr int side = 5;
+  const double least = steep * around.across + deviations * noise;
+  const double most = largest * around.across;
+
+  // 1. The depths, NaN without a point, and how far they are from this pixel's. NaN compares false.
+  std::array<float, side * side> z{};
+  float change = 0;
+  for (int i = 0; i < side * side; ++i) {
+    const int x = column + i % side - 2, y = row + i / side - 2;
+    const bool inside = x >= 0 && y >= 0 && x < cloud.size().width && y < cloud.size().height;
+    z[i] = inside ? cloud.z(x, y) : std::numeric_limits<float>::quiet_NaN();
+
+    const float apart = std::abs(z[i] - cloud.z(column, row));
+    if (apart <= most && apart > change) change = apart;
+  }
+
+  // 2. Without a step between two of them, half as far from one at least, it is a slope.
+  if (change < least / 2) return 0;
+  if (around.at_unlit && change > 1.5 * least) return change;
+
+  const auto is_beside = [](int i) {
+    return i % side > 0 && i % side < side - 1 && i / side > 0 && i / side < side - 1;
+  };
+  const auto has_step = [&](int i, int next) {
+    const float apart = std::abs(z[next] - z[i]);
+    return apart > least && apart <= most && (is_beside(i) || is_beside(next));
+  };
+  for (int i = 0; i < side * side; ++i) {
+    if (i % side < side - 1 && has_step(i, i + 1)) return change;
+    if (i / side < side - 1 && has_step(i, i + side)) return change;
+  }
+  return 0;
+}
+
 }  // namespace
 
 double edge_sigma(const Cloud& cloud, const Maps& maps, int column, int row, double depth_by_y,
@@ -138,9 +177,16 @@ double edge_sigma(const Cloud& cloud, const Maps& maps, int column, int row, dou
   // a pixel off the pixel's, evenly distributed. A small step looks like a steep slope, on which a
   // pixel sees both.
   constexpr double off_centre = 0.29;
-  if (around.at_step) return off_centre * std::ranges::max(around.change);
 
-  const double pull = pull_of_contrast(cloud, maps, column, row);
+  // Up to two pixels from a step, the lens mixes in a tenth of the other surface. Beside a pixel
+  // without light, a pixel may see only the near side of a step that its centre lies beyond.
+  constexpr double by_lens = 0.1;
+  const double near_step = (around.at_unlit ? off_centre : by_lens) *
+                           change_within_blur(cloud, around, column, row, noise * depth_by_y) /
+                           depth_by_y;
+  if (around.at_step) return std::max(near_step, off_centre * std::ranges::max(around.change));
+
+  const double pull = std::max(near_step, pull_of_contrast(cloud, maps, column, row));
   if (!around.at_unlit) return pull;
 
   // Beside the dark, a pixel is as much darker than its surface as it sees less of it. The centre

@@ -228,6 +228,20 @@ TEST(RightScans, MergedExposuresOfSwappedFramesAreRefused) {
   EXPECT_NE(told(found).find("swapped"), std::string::npos) << told(found);
 }
 
+// The room's light, relative to the projector's, is no plane over the picture.
+TEST(RightScans, LightThatChangesAcrossThePictureIsNotCalledGamma) {
+  for (const std::uint64_t seed : {3U, 4U, 5U}) {
+    for (const char* const scene : {"statue", "board"}) {
+      const WorldSettings settings{.scene = scene,
+                                   .camera = {480, 360},
+                                   .world = "harsh,no-response,no-interreflection",
+                                   .seed = seed};
+      const Scan scan = merged_scan(settings, make_strategy("two-plus-one", {}), {0.5, 1, 2});
+      EXPECT_EQ(told(check_scan(scan)), "") << scene << ", seed " << seed;
+    }
+  }
+}
+
 // The projector's and the camera's blur leave little of stripes of one pixel.
 TEST(RightScans, FinestStripesAreLeftInPeace) {
   for (const char* const world : {"bench"}) {
@@ -235,6 +249,26 @@ TEST(RightScans, FinestStripesAreLeftInPeace) {
     for (const char* const reference : {"white-black", "inverse"}) {
       const Strategy strategy = make_strategy("gray", {{"bits", 10}, {"reference", reference}});
       EXPECT_EQ(told(findings_of(virtually, strategy)), "") << world << ", " << reference;
+    }
+  }
+}
+
+// Along y, pixels below each other show which stripes are too fine, not those side by side.
+TEST(RightScans, FineStripesAlongYAreLeftInPeaceAndSwappedFramesAreNot) {
+  const Strategy strategy = make_strategy("gray", {{"bits", 9}, {"reference", "inverse"}});
+  for (const char* const scene : {"statue", "boxes"}) {
+    for (const int width : {160, 224, 320, 512}) {
+      const VirtualWorld world = virtual_world(
+          {.scene = scene, .camera = {width, width * 3 / 4}, .world = "bench,tone-curve"});
+      Scan scan{.sequence = {strategy, Axis::y, {}, world.scanner.projector.size}};
+      scan.frames =
+          take_scan(world.scanner, world.scene, pattern_set(strategy, Axis::y), world.photometry)
+              .frames;
+      EXPECT_EQ(told(check_scan(scan)), "") << scene << ", " << width;
+
+      scan.frames = reordered(std::move(scan.frames),
+                              {2, 1, 0, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17});
+      EXPECT_NE(told(check_scan(scan)), "") << scene << ", " << width;
     }
   }
 }

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include <Eigen/Geometry>
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -40,14 +41,15 @@ class Screen {
   ~Screen() { ::munmap(const_cast<unsigned char*>(data_), size_); }
 
   [[nodiscard]] int width() const { return word(4); }
-  /// Grey level of a pixel of the middle row.
-  [[nodiscard]] int level(int column) const {
-    constexpr int header_size = 0, height = 5, bytes_per_line = 12, colours = 19;
+  [[nodiscard]] int height() const { return word(5); }
+  /// Grey level of a pixel.
+  [[nodiscard]] int level(int column, int row) const {
+    constexpr int header_size = 0, bytes_per_line = 12, colours = 19;
     constexpr std::size_t colour_bytes = 12, pixel_bytes = 4;
     const std::size_t begin = static_cast<std::size_t>(word(header_size)) +
                               colour_bytes * static_cast<std::size_t>(word(colours));
-    const auto row = static_cast<std::size_t>(word(height) / 2);
-    return data_[begin + row * static_cast<std::size_t>(word(bytes_per_line)) +
+    const auto line = static_cast<std::size_t>(row);
+    return data_[begin + line * static_cast<std::size_t>(word(bytes_per_line)) +
                  pixel_bytes * static_cast<std::size_t>(column) + 1];
   }
 
@@ -61,29 +63,48 @@ class Screen {
   std::size_t size_ = 0;
 };
 
-/// A scene under whatever the screen shows, which varies along x.
+/// The screen's light along its middle row and its middle column, 0 to 1.
+struct ScreenLight {
+  std::vector<double> row, column;
+};
+
+/// Light at a place of a row or column, pixels.
+double light_at(const std::vector<double>& light, double place) {
+  const double inside = std::clamp(place, 0.0, static_cast<double>(light.size()) - 1.001);
+  const auto before = static_cast<std::size_t>(inside);
+  return light[before] + (inside - std::floor(inside)) * (light[before + 1] - light[before]);
+}
+
+/// A scene under whatever the screen shows, which varies along x or along y.
 class LitScene {
  public:
   LitScene(const Screen& screen, const VirtualWorld& world)
       : screen_(screen),
         dark_(seen(world, 0)),
         bright_(seen(world, 255)),
-        truth_(take_scan(world.scanner, world.scene, pattern_set(make_strategy("pmp", {}), Axis::x),
-                         world.photometry)) {}
+        truth_(truth_along(Axis::x, world)),
+        down_(truth_along(Axis::y, world).coordinate) {}
 
   /// The screen's light, exposed for 8 ms; taken anew if the machine was too slow.
-  [[nodiscard]] std::vector<double> light() const {
+  [[nodiscard]] ScreenLight light() const {
     using Clock = std::chrono::steady_clock;
     constexpr int samples = 4;
     constexpr std::chrono::milliseconds apart(2);
-    std::vector<double> light;
+    const int width = screen_.width(), height = screen_.height();
+    ScreenLight light;
     for (Clock::time_point begin{};
-         light.empty() || Clock::now() > begin + (samples + 1) * apart;) {
+         light.row.empty() || Clock::now() > begin + (samples + 1) * apart;) {
       begin = Clock::now();
-      light.assign(static_cast<std::size_t>(screen_.width()), 0);
+      light.row.assign(static_cast<std::size_t>(width), 0);
+      light.column.assign(static_cast<std::size_t>(height), 0);
       for (int i = 0; i < samples; ++i) {
-        for (std::size_t x = 0; x < light.size(); ++x) {
-          light[x] += screen_.level(static_cast<int>(x)) / (255.0 * samples);
+        for (int x = 0; x < width; ++x) {
+          light.row[static_cast<std::size_t>(x)] +=
+              screen_.level(x, height / 2) / (255.0 * samples);
+        }
+        for (int y = 0; y < height; ++y) {
+          light.column[static_cast<std::size_t>(y)] +=
+              screen_.level(width / 2, y) / (255.0 * samples);
         }
         std::this_thread::sleep_until(begin + (i + 1) * apart);
       }
@@ -91,24 +112,29 @@ class LitScene {
     return light;
   }
   [[nodiscard]] Image<std::uint8_t> picture() const {
-    const std::vector<double> light = this->light();
+    const ScreenLight light = this->light();
+    const double middle = light_at(light.row, screen_.width() / 2);
     Image<std::uint8_t> picture(dark_.size());
     for (std::size_t i = 0; i < picture.pixel_count(); ++i) {
-      const double y = truth_.coordinate.begin()[i] * screen_.width();
+      const double x = truth_.coordinate.begin()[i] * screen_.width();
+      const double y = down_.begin()[i] * screen_.height();
       const double dark = dark_.begin()[i], bright = bright_.begin()[i];
-      double share = 0;
-      if (std::isfinite(y)) {
-        const double x = std::clamp(y, 0.0, screen_.width() - 1.001);
-        const auto left = static_cast<std::size_t>(x);
-        share = light[left] + (x - std::floor(x)) * (light[left + 1] - light[left]);
-      }
-      picture.begin()[i] = static_cast<std::uint8_t>(std::lround(dark + share * (bright - dark)));
+      // One of both is uniform, as bright as the middle.
+      const double share = std::isfinite(x) && std::isfinite(y)
+                               ? light_at(light.row, x) + light_at(light.column, y) - middle
+                               : 0;
+      picture.begin()[i] = static_cast<std::uint8_t>(
+          std::lround(std::clamp(dark + share * (bright - dark), 0.0, 255.0)));
     }
     return picture;
   }
   [[nodiscard]] const Image<double>& depth() const { return truth_.depth; }
 
  private:
+  static VirtualScan truth_along(Axis axis, const VirtualWorld& world) {
+    return take_scan(world.scanner, world.scene, pattern_set(make_strategy("pmp", {}), axis),
+                     world.photometry);
+  }
   static Image<std::uint8_t> seen(const VirtualWorld& world, std::uint8_t level) {
     VirtualRig rig(world.scanner, world.scene, world.photometry);
     rig.load({Image<std::uint8_t>(world.scanner.projector.size, level)});
@@ -121,7 +147,17 @@ class LitScene {
   const Screen& screen_;
   const Image<std::uint8_t> dark_, bright_;
   const VirtualScan truth_;
+  const Image<double> down_;  ///< coordinate along y
 };
+
+/// Flags of a run on the screen, with a scanner file.
+std::vector<std::string> live_flags(const fs::path& scanner, const std::string& seconds) {
+  return {"live",       "--source",   "aravis:" + std::string(served_address),
+          "--monitor",  "0",          "--scanner",
+          scanner,      "--strategy", "dual-frequency",
+          "--steps",    "4",          "--headless",
+          "--duration", seconds,      "--json"};
+}
 
 TEST(SteppedProgram, LiveOnAMonitorIsInStepWithACameraThatRunsFreely) {
   const TemporaryFolder folder;
@@ -144,10 +180,9 @@ TEST(SteppedProgram, LiveOnAMonitorIsInStepWithACameraThatRunsFreely) {
   nlohmann::json told;
   std::uint64_t doubted = 0;
   for (int tried = 0; tried < most_runs; ++tried) {
-    const ProgramRun run = run_program(
-        {"live", "--source", "aravis:" + std::string(served_address), "--monitor", "0", "--scanner",
-         scanner, "--strategy", "dual-frequency", "--steps", "4", "--headless", "--duration",
-         seconds != nullptr ? seconds : "12", "-o", cloud, "--json"});
+    std::vector<std::string> flags = live_flags(scanner, seconds != nullptr ? seconds : "12");
+    flags.insert(flags.end(), {"-o", cloud, "--no-guard"});
+    const ProgramRun run = run_program(flags);
     ASSERT_EQ(run.exit_code, 0) << run.err;
     told = nlohmann::json::parse(run.out);
 
@@ -176,6 +211,34 @@ TEST(SteppedProgram, LiveOnAMonitorIsInStepWithACameraThatRunsFreely) {
   });
   EXPECT_GT(errors.size(), 20000U);
   EXPECT_LT(quantile(errors, 0.5), 0.6);
+}
+
+TEST(SteppedProgram, LiveOnAMonitorWarnsOfARigThatMoved) {
+  const TemporaryFolder folder;
+  const Desktop desktop(folder.path());
+  const Screen screen(folder.path());
+  VirtualWorld world = virtual_world({.scene = "statue", .camera = {320, 240}, .world = "ideal"});
+  world.photometry.bits = 8;
+  const LitScene scene(screen, world);
+  const auto camera = serve(std::vector<Frame>{Frame({{320, 240}, 8})});
+  REQUIRE_CAMERA(camera);
+  camera->look_at([&] { return scene.picture(); });
+  camera->set_frame_rate(60);
+
+  const fs::path scanner = folder.path() / "scanner.yaml";
+  for (const double angle : {0.0, 0.02}) {
+    Scanner turned = world.scanner;
+    turned.rotation = (Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitX()) * turned.rotation).eval();
+    write_scanner(scanner, turned);
+
+    const ProgramRun run = run_program(live_flags(scanner, "1"));
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const bool warned = run.err.find("the camera turned by 1.") != std::string::npos;
+    EXPECT_EQ(warned, angle != 0) << run.err;
+    const nlohmann::json guard = nlohmann::json::parse(run.out).value("guard", nlohmann::json());
+    ASSERT_FALSE(guard.is_null()) << run.err;
+    EXPECT_EQ(guard["common_px"] > 1, angle != 0) << guard;
+  }
 }
 
 }  // namespace slipstream::stepped_program_test

@@ -85,12 +85,9 @@ struct PredictedScan {
   Uncertainty sigma;
 };
 
-PredictedScan predicted_scan(const char* world, const char* scene,
-                             const ReconstructSettings& settings = {}) {
-  VirtualWorld rig{.scanner = example_scanner({240, 180})};
-  rig.scene = scene_named(scene, rig.scanner);
-  rig.photometry = photometry_named(world);
-  const Sequence sequence{.strategy = DualFrequency{.steps = 3, .high = 16}};
+PredictedScan predicted_scan(const VirtualWorld& rig, const ReconstructSettings& settings = {},
+                             const Strategy& strategy = DualFrequency{.steps = 3, .high = 16}) {
+  const Sequence sequence{.strategy = strategy};
 
   PredictedScan result;
   result.scan = take_scan(rig.scanner, rig.scene, pattern_set(sequence), rig.photometry);
@@ -99,6 +96,33 @@ PredictedScan predicted_scan(const char* world, const char* scene,
   engine.cloud_and_maps(result.scan.frames, result.cloud, maps);
   result.sigma = engine.uncertainty(result.cloud, maps, result.scan.frames);
   return result;
+}
+
+PredictedScan predicted_scan(const char* world, const char* scene,
+                             const ReconstructSettings& settings = {}) {
+  VirtualWorld rig{.scanner = example_scanner({240, 180})};
+  rig.scene = scene_named(scene, rig.scanner);
+  rig.photometry = photometry_named(world);
+  return predicted_scan(rig, settings);
+}
+
+/// Upright rods of a few camera pixels, a small step before a wall.
+Scene rods_before_a_wall(const Scanner& scanner, double pixels, double step) {
+  const WorkingVolume volume = working_volume(scanner);
+  const double pixel = volume.centre.z() / scanner.camera.intrinsic(0, 0);
+  const auto at = [&](double x, double z) {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.translation() = volume.centre + Eigen::Vector3d(x, 0, z);
+    return pose;
+  };
+
+  Scene scene;
+  scene.push_back(Body{.shape = Board{volume.extent, volume.extent}, .pose = at(0, 0)});
+  for (int i = -8; i <= 8; ++i) {
+    const Eigen::Vector3d size(pixels * pixel, 0.6 * volume.extent, 0.1 * step);
+    scene.push_back(Body{.shape = Box{size}, .pose = at(6.3 * i * pixel, -step)});
+  }
+  return scene;
 }
 
 // Smooth: where edges and contrast add at most a tenth to the noise.
@@ -118,6 +142,29 @@ TEST(Uncertainty, IsTheErrorOnSmoothPartsOfTenScenes) {
       });
       EXPECT_NEAR(std::sqrt(predicted / errors), 1, 0.05) << world << ", " << scene;
     }
+  }
+}
+
+// Across a step of 2 % of the depth a mixture of both surfaces has all its modulation, so that it
+// stays a point; the rods have hardly a pixel that the lens does not mix.
+TEST(Uncertainty, CoversPixelsThatTheLensMixesAtSmallSteps) {
+  VirtualWorld rig{.scanner = example_scanner({320, 240})};
+  rig.photometry = photometry_named("bench");
+  const Strategy strategy = MultiFrequency{.steps = {5}, .periods = {1, 3, 9, 27}};
+  for (const double pixels : {1.5, 2.2, 3.0}) {
+    rig.scene = rods_before_a_wall(rig.scanner, pixels, 12);
+    const auto [scan, cloud, sigma] = predicted_scan(rig, {}, strategy);
+
+    double points = 0, beyond = 0;
+    for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
+      if (cloud.validity(column, row) != Validity::valid) return;
+      const double error = std::abs(cloud.z(column, row) - scan.depth(column, row));
+      if (!std::isfinite(error)) return;
+      points += 1;
+      if (error > 5 * sigma.z(column, row)) beyond += 1;
+    });
+    EXPECT_GT(points, 3000);
+    EXPECT_LT(beyond, 0.005 * points) << pixels << " pixels";
   }
 }
 

@@ -14,6 +14,7 @@
 #include "io/file_names.h"
 #include "io/image_file.h"
 #include "io/matrix_files.h"
+#include "io/scan_cameras.h"
 #include "io/scan_colour.h"
 #include "io/scan_folder.h"
 #include "io/scan_pictures.h"
@@ -323,43 +324,7 @@ Scan load_as_taken(const ScanFiles& files, FrameSet& white) {
 
 Scan load_scan(const fs::path& path, const ScanChanges& changes) {
   ScanFiles files = scan_files_in(path, changes);
-  if (files.further_cameras.empty()) return load_scan(files);
-
-  const std::vector<fs::path>& scanners = changes.further_scanners;
-  throw_if(!scanners.empty() && scanners.size() != files.further_cameras.size(),
-           "{}: has {} further cameras, and {} scanner files are given for them", path.string(),
-           files.further_cameras.size(), scanners.size());
-
-  std::vector<ScanFiles> further;
-  for (std::size_t i = 0; i < files.further_cameras.size(); ++i) {
-    ScanChanges of_camera{.sequence = changes.sequence,
-                          .order = changes.order,
-                          .window = changes.window,
-                          .channel = changes.channel};
-    if (!scanners.empty()) of_camera.scanner = scanners[i];
-    further.push_back(scan_files_in(files.further_cameras[i], of_camera));
-  }
-
-  // A file that calibrates two cameras has no projector, so it is neither scan's own scanner.
-  std::optional<Scanner> pair;
-  ScanFiles& second = further.front();
-  if (further.size() == 1 && files.scanner && is_camera_pair(*files.scanner, !second.scanner)) {
-    pair = read_camera_pair(*files.scanner);
-    files.scanner.reset();
-    second.scanner.reset();
-  }
-
-  Scan scan = load_scan(files);
-  scan.camera_pair = std::move(pair);
-  for (const ScanFiles& camera : further) {
-    const Scan& loaded = scan.further_cameras.emplace_back(load_scan(camera));
-    throw_if(loaded.sequence.strategy != scan.sequence.strategy ||
-                 loaded.sequence.axis != scan.sequence.axis,
-             "{}: its sequence differs from the first camera's; all cameras must see one projector",
-             camera.path.string());
-  }
-
-  return scan;
+  return files.further_cameras.empty() ? load_scan(files) : load_cameras(std::move(files), changes);
 }
 
 std::vector<BoardScans> board_scans(const fs::path& folder, const ScanChanges& changes,

@@ -26,7 +26,7 @@
 namespace slipstream::app {
 namespace {
 
-constexpr const char* by_itself = "synchronised by cable, or virtual";
+constexpr const char* by_itself = "cable or virtual";
 
 enum Choice : std::size_t { camera, projector, patterns, scanner, corners, spacing };
 

@@ -1,7 +1,5 @@
 #include "view/edge_shading.h"
 
-#include <numbers>
-
 #include <epoxy/gl.h>
 
 #include "view/opengl.h"
@@ -21,34 +19,31 @@ void main() {
 constexpr const char* edge_fragment_shader = R"(#version 330 core
 uniform sampler2D depths;
 uniform float left;
-uniform float reach;
+uniform int reach;
 uniform vec2 clip;
 uniform float noise;
 out vec4 pixel;
 
-float depth_at(vec2 place) {
-  ivec2 last = textureSize(depths, 0) - 1;
-  return texelFetch(depths, clamp(ivec2(place), ivec2(0), last), 0).r;
-}
-
-// Logarithm of the distance from the eye: its differences are the same at any distance.
-float distance_of(float depth) {
-  return -log2(mix(1.0 / clip.x, 1.0 / clip.y, depth));
+float depth_at(ivec2 place) {
+  return texelFetch(depths, clamp(place, ivec2(0), textureSize(depths, 0) - 1), 0).r;
 }
 
 void main() {
-  vec2 place = gl_FragCoord.xy - vec2(left, 0.0);
+  ivec2 place = ivec2(gl_FragCoord.xy - vec2(left, 0.0));
   float depth = depth_at(place);
   if (depth == 1.0) discard;  // the background
 
-  float here = distance_of(depth), behind = 0.0;
-  for (int i = 0; i < 8; ++i) {
-    float angle = 0.785398 * float(i);
-    vec2 neighbour = place + reach * vec2(cos(angle), sin(angle));
-    behind += max(0.0, here - distance_of(depth_at(neighbour)) - noise) / 8.0;
-  }
+  // Four neighbours, and no logarithm: half the time of eight with one.
+  ivec2 right = ivec2(reach, 0), up = ivec2(0, reach);
+  vec4 around = vec4(depth_at(place + right), depth_at(place - right),
+                     depth_at(place + up), depth_at(place - up));
 
-  pixel = vec4(vec3(exp(-100.0 * behind)), 1.0);
+  // Distances from the eye: their inverses are linear in depths.
+  float here = mix(1.0 / clip.x, 1.0 / clip.y, depth);
+  vec4 behind = mix(vec4(1.0 / clip.x), vec4(1.0 / clip.y), around) / here - 1.0 - noise;
+  float darkness = dot(max(behind, 0.0), vec4(0.25));
+
+  pixel = vec4(vec3(exp2(-200.0 * darkness)), 1.0);
 }
 )";
 
@@ -59,7 +54,7 @@ EdgeShading::EdgeShading()
       vertex_array_(opengl::make_vertex_array()),
       depths_(opengl::make_texture()) {}
 
-void EdgeShading::draw(const Pane& pane, float reach, float noise) const {
+void EdgeShading::draw(const Pane& pane, int reach, float noise) const {
   // 1. The depths as drawn so far.
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, *depths_);
@@ -71,11 +66,11 @@ void EdgeShading::draw(const Pane& pane, float reach, float noise) const {
   program_.use();
   glUniform1i(program_.uniform("depths"), 0);
   glUniform1f(program_.uniform("left"), static_cast<float>(pane.left));
-  glUniform1f(program_.uniform("reach"), reach);
+  glUniform1i(program_.uniform("reach"), reach);
   glUniform2f(program_.uniform("clip"), nearest_share, farthest_share);
 
   // Four standard deviations: the difference of two noisy depths hardly reaches it.
-  glUniform1f(program_.uniform("noise"), 4 * noise / std::numbers::ln2_v<float>);
+  glUniform1f(program_.uniform("noise"), 4 * noise);
 
   // 2. The colours times the brightness that the depths give.
   glDisable(GL_DEPTH_TEST);

@@ -18,7 +18,7 @@ class EdgeShading {
 
   /// Darkens a pane of the bound framebuffer, drawn with `clip_matrix`, by its depths. `reach`: of
   /// the surroundings, pixels. `noise`: of the distance from the eye, as a share of it.
-  void draw(const Pane& pane, float reach, float noise) const;
+  void draw(const Pane& pane, int reach, float noise) const;
 
  private:
   opengl::ShaderProgram program_;

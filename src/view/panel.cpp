@@ -54,7 +54,8 @@ void draw_counts(const PanelState& state, const ViewSource& source) {
 
   const bool alone = pictures_alone(source);
   table("pixels", 2, ImGuiTableFlags_SizingFixedFit, [&] {
-    ImGui::TableSetupColumn("share");
+    ImGui::TableSetupColumn("share", ImGuiTableColumnFlags_WidthFixed,
+                            ImGui::CalcTextSize("100.0 %").x);
     ImGui::TableSetupColumn("reason", ImGuiTableColumnFlags_WidthStretch);  // the reasons change
     for (std::size_t i = 0; i < state.counts.size(); ++i) {
       if (i != 0 && state.counts[i] == 0) continue;

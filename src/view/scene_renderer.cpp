@@ -313,7 +313,8 @@ void SceneRenderer::draw_view(const ViewSettings& settings, double ambient, cons
 
   draw_points(settings, ambient, picture, false);
   if (settings.shaded) {
-    edges_.draw(pane, 1.5F * pixel_ratio, extent_.noise / settings.camera.distance);
+    const int reach = std::max(1, static_cast<int>(std::lround(pixel_ratio)));
+    edges_.draw(pane, reach, extent_.noise / settings.camera.distance);
   }
   if (settings.reflection) draw_points(settings, ambient, picture, true);
 

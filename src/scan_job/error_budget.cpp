@@ -37,30 +37,71 @@ double rounding_variance(const FrameViews& frames) {
   return quantisation_variance * std::pow(255 / frames.full_scale(), 2);
 }
 
+/// Whether blur reaches a pixel from a step between surfaces, or from a pixel that was cleaned
+/// away. `noise`: standard deviation of depth, mm.
+bool is_near_step(const Cloud& cloud, int column, int row, double noise) {
+  constexpr int reach = 2;                       // pixels
+  constexpr double steep = 5, deviations = 5.5;  // as in edge_sigma
+  const Eigen::Vector3d here = position_at(cloud, column, row);
+
+  const int last_row = std::min(row + reach, cloud.size().height - 1);
+  const int last_column = std::min(column + reach, cloud.size().width - 1);
+  for (int y = std::max(row - reach, 0); y <= last_row; ++y) {
+    for (int x = std::max(column - reach, 0); x <= last_column; ++x) {
+      const Validity validity = cloud.validity(x, y);
+      if (validity == Validity::mixed || validity == Validity::outlier ||
+          validity == Validity::small_component) {
+        return true;
+      }
+      if (validity != Validity::valid) continue;
+
+      // A step between the two pixels beside is half as steep from here.
+      const bool is_beside = std::abs(x - column) < reach && std::abs(y - row) < reach;
+      const Eigen::Vector3d there = position_at(cloud, x, y);
+      if (on_one_surface(here, there, is_beside ? steep : steep / 2)) continue;
+      if ((there - here).norm() > deviations * noise) return true;
+    }
+  }
+  return false;
+}
+
 PointMeans means_of(const ScanResult& result, const FrameViews& frames) {
   const auto& [scanner, sequence, settings] = result.setup;
   const Uncertainty& sigma = *result.uncertainty;
   const Maps& maps = result.maps;
+  const Cloud& cloud = result.cloud;
   const double grey_level = frames.full_scale() / 255;
   const double variance = scanner.photometry.noise_variance.value_or(CueSettings{}.noise_variance);
+  const double half_period = 0.5 / measuring_band(sequence.strategy.layout()).periods;  // fields
+
+  // Beside a step sigma covers that a pixel sees either surface, 0.29 of the step. Its point lies
+  // on that surface, but for the tenth of the other one that a lens mixes in. That one's phase is
+  // at most half a period away.
+  constexpr double in_sigma = 0.29, by_lens = 0.1;
 
   PointMeans means;
   double count = 0;
-  for (std::size_t i = 0; i < sigma.z.pixel_count(); ++i) {
-    const double z = sigma.z.begin()[i], of_noise = std::pow(sigma.z_of_noise.begin()[i], 2);
-    if (!std::isfinite(z)) continue;
+  for_each_pixel_in_order(sigma.z.size(), [&](int column, int row) {
+    const double z = sigma.z(column, row), of_noise = std::pow(sigma.z_of_noise(column, row), 2);
+    if (!std::isfinite(z)) return;
     ++count;
+    const double by_coordinate = z / sigma.coordinate(column, row);  // mm per field
 
     // The noise variance includes rounding. Codes have no mean.
-    const double mean = maps.mean.empty() ? 0 : maps.mean.begin()[i] / grey_level;
+    const double mean = maps.mean.empty() ? 0 : maps.mean(column, row) / grey_level;
     const double all_noise = noise_variance_at(mean, variance, scanner.photometry.noise_gain);
     const double rounded = std::min(1.0, rounding_variance(frames) / all_noise) * of_noise;
     means.quantisation += rounded;
     means.noise += of_noise - rounded;
-    means.edges += std::max(0.0, z * z - of_noise);
-    means.depth_by_coordinate += std::pow(z / sigma.coordinate.begin()[i], 2);
-    if (!maps.motion.empty()) means.motion += std::pow(maps.motion.begin()[i], 2);
-  }
+    means.depth_by_coordinate += by_coordinate * by_coordinate;
+    if (!maps.motion.empty()) means.motion += std::pow(maps.motion(column, row), 2);
+
+    double edge = std::sqrt(std::max(0.0, z * z - of_noise));
+    if (is_near_step(cloud, column, row, std::sqrt(of_noise))) {
+      edge = by_lens * std::min(edge / in_sigma, half_period * by_coordinate);
+    }
+    means.edges += edge * edge;
+  });
 
   for (double* const sum : {&means.noise, &means.quantisation, &means.edges,
                             &means.depth_by_coordinate, &means.motion}) {

@@ -11,7 +11,7 @@
 namespace slipstream::view {
 namespace {
 
-/// The place of a value among labelled choices, some of which may have the same value. The present
+/// The place of a value among labelled choices; several may have the same value. The present
 /// place if it has the value, or if none has.
 template <class Value>
 std::size_t place_of(const Value& value, const std::vector<std::pair<std::string, Value>>& choices,

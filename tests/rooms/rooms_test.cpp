@@ -284,11 +284,14 @@ const std::map<std::string, std::string> sources_without_own_header{
     {"app/main", "nothing else calls it"},
     {"python/bindings/module", "defines the Python module, which only Python loads"}};
 
-/// Headers that declare the commands, parts of the module or sinks of sources without a header.
+/// Headers that declare the commands, parts of the module, sinks, methods or the screen of sources
+/// without a header.
 const std::map<std::string, std::string> headers_of_many{
     {"app", "app/commands.h"},
     {"python/bindings", "python/bindings/bindings.h"},
-    {"src/publish", "publish/sink_kind.h"}};
+    {"src/publish", "publish/sink_kind.h"},
+    {"src/spatial", "spatial/methods.h"},
+    {"src/view", "view/cloud_screen.h"}};
 
 /// Whether the source has a header of its name beside it or, for one of a room such as
 /// src/decode/maps.cpp, a public one; or else includes the one of many sources.

@@ -9,9 +9,10 @@
 namespace slipstream {
 namespace {
 
-/// Spreads keys of neighbouring cells over a table of that size, a power of 2.
+/// Spreads keys of neighbouring cells over a table of that size, a power of 2 above 1. Only the
+/// highest bits of the product depend on all parts of a key.
 std::size_t slot_of(std::uint64_t key, std::size_t size) {
-  return static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ULL) >> 20) & (size - 1);
+  return static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ULL) >> (64 - std::countr_zero(size)));
 }
 
 struct CellPoint {
@@ -60,7 +61,7 @@ PointGrid::PointGrid(std::span<const Eigen::Vector3f> points, float cell)
   }
 
   // 2. Put each cell's range into the hash table, at most half full.
-  slots_.resize(std::bit_ceil(2 * cells + 1));
+  slots_.resize(std::bit_ceil(2 * cells + 2));
   for (std::size_t first = 0; first < all.size();) {
     std::size_t end = first;
     while (end < all.size() && all[end].cell == all[first].cell) ++end;

@@ -131,7 +131,7 @@ TEST(FusedCamerasSettingsFor, KeepABoxWhereItIs) {
   }
 
   const FusedModel fused = fused_cameras(cameras);
-  EXPECT_GT(fused.points.size(), 500U);
+  EXPECT_GT(fused.points.size(), 200U);
   for (const ModelPoint& point : fused.points) {
     EXPECT_LT(std::abs(point.position.x()), 20.1F);
     EXPECT_LT(std::abs(point.position.y()), 20.1F);

@@ -178,9 +178,11 @@ std::vector<std::vector<std::size_t>> parts_of_picture(const ScanSamples& sample
   return found;
 }
 
-/// Gamma - 1 and its standard error: the mean over parts of the picture, and how far they differ.
-/// Each has its own ambient light, which no plane describes over a whole picture.
-std::pair<double, double> gamma_of_parts(const JudgedScan& scan, double most_offset) {
+/// Gamma - 1 and its standard error: over the whole picture, or the mean over its parts and how far
+/// they differ, whichever proves more. Each part has its own ambient light, which no plane
+/// describes over a whole picture; but a part of a few uniform surfaces says little.
+std::pair<double, double> measured_gamma(const JudgedScan& scan, double most_offset) {
+  std::vector<LightRow> all;
   std::vector<double> found;
   double sum = 0, squares = 0;
   SampleReading reading;
@@ -188,6 +190,7 @@ std::pair<double, double> gamma_of_parts(const JudgedScan& scan, double most_off
   for (const std::vector<std::size_t>& part : parts_of_picture(scan.samples)) {
     std::vector<LightRow> rows;
     for (const std::size_t group : part) add_rows(scan, group, reading, rows);
+    all.insert(all.end(), rows.begin(), rows.end());
 
     const auto [gamma, error] = fitted_gamma(rows, most_offset);
     found.push_back(gamma);
@@ -200,7 +203,13 @@ std::pair<double, double> gamma_of_parts(const JudgedScan& scan, double most_off
   double spread = 0;
   for (const double gamma : found) spread += std::pow(gamma - sum / count, 2);
   const double degrees = std::max(1.0, count - 1);
-  return {sum / count, std::sqrt(std::max(squares / count, spread / degrees) / count)};
+  const std::pair of_parts{sum / count,
+                           std::sqrt(std::max(squares / count, spread / degrees) / count)};
+
+  const auto most = [](const std::pair<double, double>& gamma) {
+    return std::abs(gamma.first) + 3 * gamma.second;
+  };
+  return std::ranges::min(of_parts, fitted_gamma(all, most_offset), {}, most);
 }
 
 /// A warning if no response is known, a usual gamma would distort the phase by more than its noise,
@@ -215,7 +224,7 @@ std::optional<Finding> unknown_response(const JudgedScan& scan, double noise) {
 
   // Of the camera's range; few cameras and rooms have as much.
   const double most_offset = std::max(0.125, 1.5 * scan.photometry.ambient.value_or(0) / 255);
-  const auto [off, error] = gamma_of_parts(scan, most_offset);
+  const auto [off, error] = measured_gamma(scan, most_offset);
 
   const double doubt = 3 * error, most = std::max(linear, least);
   if (std::abs(off) + doubt <= most) return std::nullopt;

@@ -10,6 +10,7 @@
 
 #include "base/statistics.h"
 #include "check/mistake_search.h"
+#include "slipstream/unwrapping.h"
 
 namespace slipstream {
 namespace {
@@ -292,8 +293,13 @@ std::optional<MixedFrames> mixed_frames(const JudgedScan& scan, const Fit& fit) 
                            scan.scanner, scan.photometry, scan.settings};
   const Fit then = fit_of(without);
 
-  // Near a share of one half, noise remains of a code's frames; at one half none can be undone.
   const bool by_code = in_code > most_in_code, is_half = in_code == half;
+  // So large a share would have taken the contrast of a code that is alone.
+  constexpr double hardly_hidden = 0.45;
+  const bool alone = scan.model.layout().unwrapping->whole_stripes;
+  if (alone && !by_code && mixture.mean() > hardly_hidden) return std::nullopt;
+
+  // Near a share of one half, noise remains of a code's frames; at one half none can be undone.
   if (!is_half && (!then.patterns_made() || !then.bands_agree() ||
                    (!by_code && (!then.geometry_fits() || then.misfit() >= fit.misfit())))) {
     return std::nullopt;

@@ -103,8 +103,8 @@ struct Engine::Tables {
 
     throw_if(rejects_reflection(of.settings.clean) &&
                  !shows_reflection(complete.sequence.strategy.layout()),
-             "{}: these patterns do not show light from other surfaces; those with one band of few "
-             "periods and one of many do, such as dual-frequency",
+             "{}: these patterns do not show light from other surfaces; those with a "
+             "finest band of 4 to 16 times the coarsest one's periods do, such as dual-frequency",
              complete.sequence.strategy.name());
 
     // 2. The fused pass, unless the reference or the caller's own engine was chosen.

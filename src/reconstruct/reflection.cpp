@@ -53,9 +53,12 @@ std::complex<double> mean_share(const Image<std::complex<float>>& shares, const 
 }  // namespace
 
 bool shows_reflection(const Layout& layout) {
-  constexpr double most_periods = 0.25;  // of the measuring band's
+  // Of more periods, blur dims the fine band by too much: of virtual boxes 6 % were rejected at 32
+  // times, 21 % at 64, 0.1 % at 16.
+  constexpr double fewest = 4, most = 16;
   const Band &coarse = coarsest_band(layout), &fine = measuring_band(layout);
-  return coarse.periods <= most_periods * fine.periods && coarse.carrier == 0 && fine.carrier == 0;
+  const double finer = fine.periods / coarse.periods;
+  return finer >= fewest && finer <= most && coarse.carrier == 0 && fine.carrier == 0;
 }
 
 Disturbance disturbance_of(const FrameViews& frames, const Cloud& cloud, const Maps& maps,
@@ -91,7 +94,7 @@ Disturbance disturbance_of(const FrameViews& frames, const Cloud& cloud, const M
 
   // 3. Blur dims the fine band, more where it is out of focus.
   const double usual = median_in_phase(disturbance.share);
-  disturbance.blur = 0.5 * std::abs(usual - 1);
+  disturbance.blur = std::abs(usual - 1);
   for (std::complex<float>& share : disturbance.share) share -= static_cast<float>(usual);
   return disturbance;
 }

@@ -7,7 +7,7 @@
 // Light that other surfaces reflect onto a point, or that spreads within its surface.
 namespace slipstream {
 
-/// Whether patterns show such light: it disturbs a band of at most a quarter of the measuring
+/// Whether patterns show such light: it disturbs a band of a quarter to a sixteenth of the measuring
 /// band's periods far more than the measuring band.
 bool shows_reflection(const Layout& layout);
 

@@ -153,11 +153,14 @@ TEST(Reflection, IsNotFoundWhereNoSurfaceLightsAnother) {
   }
 }
 
-TEST(Reflection, NeedsABandOfFewPeriods) {
+TEST(Reflection, NeedsABandOfFewPeriodsThatBlurDimsLikeTheFinest) {
   const Scanner scanner = example_scanner({80, 60});
   const Sequence sequence{.strategy = MultiFrequency{.periods = {64, 56, 49}}};
   EXPECT_THROW(Engine(scanner, sequence, {.clean = {.reflection = 5}}), Error);
   EXPECT_NO_THROW(Engine(scanner, sequence));
+
+  const Sequence fine{.strategy = DualFrequency{.high = 64}};
+  EXPECT_THROW(Engine(scanner, fine, {.clean = {.reflection = 5}}), Error);
 }
 
 }  // namespace slipstream::reflection_test

@@ -115,7 +115,11 @@ TEST_F(TwoCamerasProgram, FusesThreeCamerasToOneCloud) {
   const auto fused = json_of(
       {"reconstruct", folder, "-o", path("fused.ply"), "--mesh", path("fused.stl")})["scans"][0];
   ASSERT_EQ(fused["points_of_cameras"].size(), 3U);
-  for (const auto& points : fused["points_of_cameras"]) EXPECT_GT(fused["points"], points);
+
+  // The points are evenly spaced, so they may be a few less than those of a camera that sees all.
+  for (const auto& points : fused["points_of_cameras"]) {
+    EXPECT_GT(fused["points"].get<double>(), 0.95 * points.get<double>());
+  }
   EXPECT_EQ(point_count(read_cloud(path("fused.ply")).cloud), fused["points"]);
   EXPECT_GT(point_count(read_cloud(path("fused.stl")).cloud), 1000U);
 

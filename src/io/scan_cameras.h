@@ -4,9 +4,9 @@
 
 namespace slipstream {
 
-/// Loads a scan of several cameras before one projector, with the scanner of each, or with that of
-/// two cameras that are calibrated without it. `files`: of the first camera, which names the
-/// others. Throws Error as load_scan, and if the cameras' sequences differ.
+/// Loads a scan of several cameras before one projector, with the scanner of each; two cameras may
+/// be calibrated without the projector. `files`: of the first camera, which names the others. Throws
+/// Error as load_scan, and if the cameras' sequences differ.
 Scan load_cameras(ScanFiles files, const ScanChanges& changes);
 
 }  // namespace slipstream

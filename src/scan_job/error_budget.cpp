@@ -75,7 +75,7 @@ PointMeans means_of(const ScanResult& result, const FrameViews& frames) {
   const double half_period = 0.5 / measuring_band(sequence.strategy.layout()).periods;  // fields
 
   // Beside a step sigma covers that a pixel sees either surface, 0.29 of the step. Its point lies
-  // on that surface, but for the tenth of the other one that a lens mixes in. That one's phase is
+  // on that surface, pulled by the tenth of the other one that a lens mixes in. That one's phase is
   // at most half a period away.
   constexpr double in_sigma = 0.29, by_lens = 0.1;
 

@@ -30,7 +30,7 @@ float EpipolarSearch::slope(std::size_t i, const Eigen::Vector2f& at,
 
 EpipolarMatch EpipolarSearch::by_newton(std::size_t i, float start, int farthest) const {
   constexpr int most_steps = 4;
-  constexpr float near = 0.03F;  // rad: the last step's error is of second order
+  constexpr float near = 0.01F;  // rad: the last step's error is of second order
 
   Eigen::Vector2f at = place(start);
   const Eigen::Vector2f direction = pixels_per_w(start, at);

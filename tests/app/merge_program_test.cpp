@@ -102,8 +102,8 @@ TEST_F(MergeProgram, FindsTheAxisOfATurntable) {
 
 TEST_F(MergeProgram, NamesViewsOfAnObjectThatBentMeanwhile) {
   const ProgramRun run = run_program(
-      {"merge", shot("a.ply", relief(), first_pose), shot("bb.ply", relief(1.5), second_pose),
-       shot("ccc.ply", relief(3), first_pose), "-o", path("model.ply")});
+      {"merge", shot("a.ply", relief(), first_pose), shot("bb.ply", relief(1), second_pose),
+       shot("ccc.ply", relief(2), first_pose), "-o", path("model.ply")});
   EXPECT_EQ(run.exit_code, 0);
   const std::string named =
       path("a.ply") + " and " + path("ccc.ply") + " do not fit at the joint poses";

@@ -51,6 +51,7 @@ class Validity(_enum.IntEnum):
     SMALL_COMPONENT = 10
     OUTSIDE_REGION = 11
     MOVED = 12
+    REFLECTED = 13
 
 
 @_contextlib.contextmanager

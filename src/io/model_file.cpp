@@ -18,9 +18,8 @@ namespace fs = std::filesystem;
 namespace {
 
 std::string model_ply(const FusedModel& model) {
-  const std::string frame = model.frame
-                                ? frame_comments(model.frame.get(), "comment")
-                                : "comment slipstream, frame of the first view, mm\n";
+  const std::string frame = model.frame ? frame_comments(model.frame.get(), "comment")
+                                        : "comment slipstream, frame of the first view, mm\n";
   std::string file = fmt::format(
       "ply\nformat binary_little_endian 1.0\n{}"
       "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"

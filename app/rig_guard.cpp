@@ -58,10 +58,16 @@ void check_rig(const MonitorProjector& projector, bool triggered, const EngineSe
   if (!is_possible) return;
 
   // 2. The frames of the scan and of its guard.
+  std::vector<FrameSet> taken;
   opened.frames->start();
-  std::vector<FrameSet> taken =
-      taken_with_guard(projector, triggered, *opened.frames, scan.sequence);
+  try {
+    taken = taken_with_guard(projector, triggered, *opened.frames, scan.sequence);
+  } catch (...) {
+    opened.frames->stop();
+    throw;
+  }
   opened.frames->stop();
+
   if (taken.empty()) {
     output.say(
         "no guard, as the scene does not stand still: a camera or projector that moved since "

@@ -90,13 +90,13 @@ struct CleanSettings {
 
     visit({.name = "reflection",
            .option = "reflection",
-           .help = "largest error that light from other surfaces may cause, standard deviations by "
-                   "noise, as 5; by the picture around a pixel",
+           .help = "largest error that light from other surfaces may cause, in standard deviations "
+                   "by noise, e.g. 5; judged by the picture around a pixel",
            .least = 0},
           self.reflection);
     visit({.name = "local_reflection",
            .option = "local-reflection",
-           .help = "the same by the pixel's own surface, which keeps thin wires",
+           .help = "the same, judged by the pixel's own surface, which keeps thin wires",
            .least = 0},
           self.local_reflection);
 

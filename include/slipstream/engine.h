@@ -182,8 +182,8 @@ class Engine {
   /// Computes the requested outputs with the chosen engine or, failing that, the next in this
   /// order: GPU, fused pass, reference engine. In windows longer than a cycle, rejects pixels whose
   /// frames differ by more than noise and uniform motion explain; of clouds, if set, points that
-  /// other surfaces light; then cleans the cloud. Returns
-  /// how many points cleaning removed, by reason. Throws Error for a wrong size or frame count.
+  /// other surfaces light; then cleans the cloud. Returns how many points cleaning removed, by
+  /// reason. Throws Error for a wrong size or frame count.
   ValidityCounts run(const FrameViews& frames, const Outputs& outputs);
 
   ValidityCounts cloud(const FrameViews& frames, Cloud& cloud) {

@@ -32,9 +32,9 @@ class CornerError : public ceres::SizedCostFunction<2, lens_number_count, 6, 6, 
   double deviation_;
 };
 
-/// Residuals of a corner in a camera and in the projector; the projector's without the part that
-/// the camera's causes. Parameters: lens of the camera, lens of the projector, motions from the
-/// base's frame to the camera's and to the projector's, pose, place.
+/// Residuals of a corner in a camera and in the projector, standard deviations; the projector's
+/// without the part that the camera's causes. Parameters: lens of the camera, lens of the
+/// projector, motions from the base's frame to the camera's and to the projector's, pose, place.
 class PairError
     : public ceres::SizedCostFunction<4, lens_number_count, lens_number_count, 6, 6, 6, 3> {
  public:

@@ -63,7 +63,7 @@ void write_scatter(Page& page, const HandEyeScatter& scatter) {
   row("board, along the line of sight and tilt", scatter.board_depth, scatter.board_tilt);
 }
 
-/// What was found: a name and its value in each row.
+/// Rows of a name and a value: conventions, poses and their standard deviations.
 std::vector<std::vector<std::string>> rows_of(const HandEye& found) {
   const Eigen::Vector3d& at = found.poses.camera.translation();
   const Eigen::Vector3d& deviation = found.translation_deviation;

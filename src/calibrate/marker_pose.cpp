@@ -26,14 +26,15 @@ struct Family {
   int dictionary;  ///< OpenCV's
 };
 
-constexpr std::array<Family, 8> families{{{"36h11", cv::aruco::DICT_APRILTAG_36h11},
-                                          {"36h10", cv::aruco::DICT_APRILTAG_36h10},
-                                          {"25h9", cv::aruco::DICT_APRILTAG_25h9},
-                                          {"16h5", cv::aruco::DICT_APRILTAG_16h5},
-                                          {"4x4", cv::aruco::DICT_4X4_1000},
-                                          {"5x5", cv::aruco::DICT_5X5_1000},
-                                          {"6x6", cv::aruco::DICT_6X6_1000},
-                                          {"7x7", cv::aruco::DICT_7X7_1000}}};  // in order
+constexpr std::array<Family, 8> families{
+    {{"36h11", cv::aruco::DICT_APRILTAG_36h11},
+     {"36h10", cv::aruco::DICT_APRILTAG_36h10},
+     {"25h9", cv::aruco::DICT_APRILTAG_25h9},
+     {"16h5", cv::aruco::DICT_APRILTAG_16h5},
+     {"4x4", cv::aruco::DICT_4X4_1000},
+     {"5x5", cv::aruco::DICT_5X5_1000},
+     {"6x6", cv::aruco::DICT_6X6_1000},
+     {"7x7", cv::aruco::DICT_7X7_1000}}};  // in the order of Markers
 
 cv::aruco::ArucoDetector detector_of(Markers markers) {
   return slipstream::detector_of(families.at(static_cast<std::size_t>(markers)).dictionary);
@@ -249,8 +250,13 @@ MarkerPose marker_pose(Markers markers, const SeenMarker& marker, double side,
   const int cells = detector_of(markers).getDictionary().markerSize + 2;
   std::vector<MarkerPose> poses;
   for (const Eigen::Isometry3d& start : poses_of_square(marker.corners, side, lens)) {
-    poses.push_back(pose_on_edges(start, side, cells, picture, lens));
+    try {
+      poses.push_back(pose_on_edges(start, side, cells, picture, lens));
+    } catch (const Error&) {
+      if (poses.empty()) throw;  // the square's other pose need not be near the edges
+    }
   }
+
   std::ranges::sort(poses, {}, &MarkerPose::rms);
   throw_if(poses.empty() || !(poses.front().rms < largest_rms),
            "its sides are not those of a square; likely a bent or covered marker, or a wrong lens");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -88,9 +89,15 @@ TouchTest projection_test(const BoardView& view, const CalibrationBoard& board,
 
   // 3. The corner by the light that it was measured in, less the light for the robot's point.
   std::vector<Eigen::Vector3d> differences;
+  std::set<std::size_t> corners;
   for (const Eigen::Vector3d& point : points) {
     const Eigen::Vector3d place = camera.inverse() * point;
     const std::size_t corner = nearest_outer_corner(view, board, seen, place);
+    throw_if(!corners.insert(corner).second,
+             "{}: two points are nearest to one outer corner of the board; touch each corner once, "
+             "and check the hand-eye pose and the tip",
+             view.name);
+
     const Eigen::Vector3d aimed =
         lit_by(project(scanner.projector, in_projector_frame(scanner, place)));
     differences.emplace_back(camera.linear() * (lit_by(view.projector[corner]) - aimed));

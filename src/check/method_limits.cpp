@@ -190,26 +190,29 @@ std::pair<double, double> measured_gamma(const JudgedScan& scan, double most_off
   for (const std::vector<std::size_t>& part : parts_of_picture(scan.samples)) {
     std::vector<LightRow> rows;
     for (const std::size_t group : part) add_rows(scan, group, reading, rows);
-    all.insert(all.end(), rows.begin(), rows.end());
+    if (rows.empty()) continue;
 
+    all.insert(all.end(), rows.begin(), rows.end());
     const auto [gamma, error] = fitted_gamma(rows, most_offset);
     found.push_back(gamma);
     sum += gamma;
     squares += error * error;
   }
 
+  const std::pair of_picture = fitted_gamma(all, most_offset);
+  if (found.size() < 2) return of_picture;
+
   // Standard error of the mean: by noise, or by the spread of the parts.
   const auto count = static_cast<double>(found.size());
   double spread = 0;
   for (const double gamma : found) spread += std::pow(gamma - sum / count, 2);
-  const double degrees = std::max(1.0, count - 1);
   const std::pair of_parts{sum / count,
-                           std::sqrt(std::max(squares / count, spread / degrees) / count)};
+                           std::sqrt(std::max(squares / count, spread / (count - 1)) / count)};
 
   const auto most = [](const std::pair<double, double>& gamma) {
     return std::abs(gamma.first) + 3 * gamma.second;
   };
-  return std::ranges::min(of_parts, fitted_gamma(all, most_offset), {}, most);
+  return std::ranges::min(of_parts, of_picture, {}, most);
 }
 
 /// A warning if no response is known, a usual gamma would distort the phase by more than its noise,

@@ -15,18 +15,22 @@ struct SeenPlace {
   float x, y, depth;
 };
 
-/// NaN if there is no point, or it is behind the camera.
+/// Where the other camera sees the points; NaN for invalid pixels and for points behind it. `pose`:
+/// from the cloud's frame to that camera's.
 Image<SeenPlace> places_in(const Cloud& cloud, const Lens& lens, const Eigen::Isometry3d& pose) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   Image<SeenPlace> places(cloud.size(), SeenPlace{nan, nan, nan});
+
   for_each_pixel(cloud.size(), [&](int column, int row) {
     const Eigen::Vector3d point =
         pose * Eigen::Vector3f(cloud.x(column, row), cloud.y(column, row), cloud.z(column, row))
                    .cast<double>();
     if (!(point.z() > 0)) return;
+
     const Eigen::Vector2f pixel = project(lens, point).cast<float>();
     places(column, row) = {pixel.x(), pixel.y(), static_cast<float>(point.z())};
   });
+
   return places;
 }
 
@@ -46,6 +50,10 @@ Image<float> nearest_depths(const Image<SeenPlace>& places, Size size) {
     const auto [left, right] = std::ranges::minmax(corners, {}, &SeenPlace::x);
     const auto [top, bottom] = std::ranges::minmax(corners, {}, &SeenPlace::y);
     if (!whole || right.x - left.x > widest || bottom.y - top.y > widest) return;
+
+    const bool inside = right.x >= 0 && bottom.y >= 0 && left.x < static_cast<float>(size.width) &&
+                        top.y < static_cast<float>(size.height);
+    if (!inside) return;
 
     // 2. Its pixels.
     const float depth = std::ranges::max(corners, {}, &SeenPlace::depth).depth;

@@ -17,16 +17,19 @@ namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
 
-std::string model_ply(const FusedModel& model) {
+std::string model_ply(const FusedModel& model, const std::vector<std::string>& remarks) {
   const std::string frame = model.frame ? frame_comments(model.frame.get(), "comment")
                                         : "comment slipstream, frame of the first view, mm\n";
+  std::string comments = frame;
+  for (const std::string& remark : remarks) comments += fmt::format("comment {}\n", remark);
+
   std::string file = fmt::format(
       "ply\nformat binary_little_endian 1.0\n{}"
       "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
       "property float nx\nproperty float ny\nproperty float nz\n{}"
       "property float sigma\nproperty float disagreement\nproperty ushort views\n"
       "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
-      frame, model.points.size(), ply_intensity);
+      comments, model.points.size(), ply_intensity);
 
   for (const ModelPoint& point : model.points) {
     const std::uint8_t grey = grey_level(point.intensity);
@@ -43,10 +46,11 @@ void require_model_ending(const fs::path& path) {
   require_ending(path, "format of models", {".ply", ".pcd", ".xyz"});
 }
 
-void write_model(const fs::path& path, const FusedModel& model) {
+void write_model(const fs::path& path, const FusedModel& model,
+                 const std::vector<std::string>& remarks) {
   require_model_ending(path);
   if (lower_case_extension(path) == ".ply") {
-    write_file(path, model_ply(model));
+    write_file(path, model_ply(model, remarks));
     return;
   }
 
@@ -69,7 +73,7 @@ void write_model(const fs::path& path, const FusedModel& model) {
     normals.z(i, 0) = point.normal.z();
     if (model.coloured) cloud.colour(i, 0) = point.colour;
   }
-  write_cloud(path, cloud, {.normals = &normals});
+  write_cloud(path, cloud, {.normals = &normals, .remarks = remarks});
 }
 
 Surface surface_of(const ModelMesh& mesh) {

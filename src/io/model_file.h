@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "merge/fused_model.h"
 #include "merge/model_surface.h"
@@ -15,9 +17,11 @@ void require_model_ending(const std::filesystem::path& path);
 ///   .ply  binary little-endian PLY: x y z nx ny nz intensity sigma disagreement views red green
 ///         blue; sigma and disagreement in mm, see ModelPoint;
 ///   .pcd, .xyz  as write_cloud: x y z intensity and the normals.
+/// `remarks`: further comments, one line each; not in .xyz, which has no header.
 /// Throws Error for another ending, WorldError if it cannot be written; never leaves a partial
 /// file.
-void write_model(const std::filesystem::path& path, const FusedModel& model);
+void write_model(const std::filesystem::path& path, const FusedModel& model,
+                 const std::vector<std::string>& remarks = {});
 
 /// A mesh for write_surface, with the grey levels of its vertices as texture.
 Surface surface_of(const ModelMesh& mesh);

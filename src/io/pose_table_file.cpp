@@ -203,9 +203,12 @@ bool is_comment(std::string_view line) {
   if (first == line.npos) return true;
   line.remove_prefix(first);
 
-  // KRL and AS; in a table a blank cell comes before a number.
-  const bool krl =
-      line.size() > 1 && line[0] == ';' && std::isalpha(static_cast<unsigned char>(line[1])) != 0;
+  // KRL and AS. In a table of semicolons a blank cell comes before a number, or before the name of
+  // a column, which a semicolon ends.
+  const std::size_t end = line.find_first_of("; \t\r", 1);
+  const bool krl = line.size() > 1 && line[0] == ';' &&
+                   std::isalpha(static_cast<unsigned char>(line[1])) != 0 &&
+                   (end == line.npos || line[end] != ';');
   return krl || line.starts_with("//") || line.find_first_of("#&!") == 0;
 }
 

@@ -28,8 +28,7 @@ Scan load_cameras(ScanFiles files, const ScanChanges& changes) {
     further.push_back(scan_files_in(files.further_cameras[i], of_camera));
   }
 
-  // 2. A file that calibrates two cameras has no projector, so it is neither
-  //    scan's own scanner.
+  // 2. A file that calibrates two cameras has no projector, so it is neither scan's own scanner.
   std::optional<Scanner> pair;
   ScanFiles& second = further.front();
   if (further.size() == 1 && files.scanner && is_camera_pair(*files.scanner, !second.scanner)) {

@@ -40,8 +40,9 @@ ColourCamera colour_camera_of(const ScanFiles& files, Image<Colour> picture) {
   }
 
   throw_if(camera.lens.size.width > 0 && camera.lens.size != camera.picture.size(),
-           "{}: the camera of {} has {}, the picture of its colours {}", files.path.string(),
-           file.string(), text_of(camera.lens.size), text_of(camera.picture.size()));
+           "{}: the camera of {} takes {} pixels, but the picture `colour` has {}",
+           files.path.string(), file.string(), text_of(camera.lens.size),
+           text_of(camera.picture.size()));
   return camera;
 }
 

@@ -70,9 +70,9 @@ YAML::Node yaml_document(const std::string& text) try {
 } catch (const YAML::Exception& exception) {
   // The likely mistake: a colon that YAML takes for a nested map.
   const bool colon = exception.msg == YAML::ErrorMsg::MAP_VALUE;
-  throw Error(
-      fmt::format("line {}: not YAML: {}{}", std::max(exception.mark.line, 0) + 1, exception.msg,
-                  colon ? "; quote values that end in a colon, e.g. source: 'aravis:'" : ""));
+  throw Error(fmt::format("line {}: not YAML: {}{}", std::max(exception.mark.line, 0) + 1,
+                          exception.msg,
+                          colon ? "; quote values that have a colon, e.g. name: 'a: b'" : ""));
 }
 
 }  // namespace slipstream

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -40,18 +39,25 @@ Comparison compare(const PreparedView& from, const PreparedView& to, const Eigen
 
   // Sights are compared at a distance that neither noise nor a slanted surface reaches.
   const std::size_t samples = (source.sample.size() + step - 1) / step;
-  std::atomic<std::size_t> beside = 0, seen_through = 0;
+  enum class Fate : std::uint8_t { other, beside, seen_through };
+  std::vector<Fate> fates(samples, Fate::other);
   for_each_row(static_cast<int>(samples), [&](int sample) {
+    Fate& fate = fates[static_cast<std::size_t>(sample)];
     const std::uint32_t i = source.sample[static_cast<std::size_t>(sample) * step];
     const Eigen::Vector3f place = motion * source.points[i];
     if (partner_of(place, motion.linear() * source.normals[i], target, farthest)) {
-      ++beside;
+      fate = Fate::beside;
     } else if (!target.grid->nearest(place, 2 * farthest) &&
                to.seen().at(place, 2 * farthest) == Sight::clear) {
-      ++seen_through;
+      fate = Fate::seen_through;
     }
   });
-  return {.samples = samples, .beside = beside, .seen_through = seen_through};
+
+  const auto count = [&](Fate fate) {
+    return static_cast<std::size_t>(std::ranges::count(fates, fate));
+  };
+  return {
+      .samples = samples, .beside = count(Fate::beside), .seen_through = count(Fate::seen_through)};
 }
 
 double share_of(std::size_t part, std::size_t whole) {

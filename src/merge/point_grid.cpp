@@ -60,7 +60,7 @@ PointGrid::PointGrid(std::span<const Eigen::Vector3f> points, float cell)
     if (i == 0 || all[i].cell != all[i - 1].cell) ++cells;
   }
 
-  // 2. Put each cell's range into the hash table, at most half full.
+  // 2. Put each cell's range into the hash table, at most half full, of two slots or more.
   slots_.resize(std::bit_ceil(2 * cells + 2));
   for (std::size_t first = 0; first < all.size();) {
     std::size_t end = first;

@@ -49,7 +49,8 @@ class ServingSink : public CloudSink {
   /// Call it before newest(), as a cloud may come between the two.
   void wait_for_cloud() { anybody_waits_ = true; }
 
-  std::vector<Client*> clients{};  ///< oldest first
+  /// Oldest first. Before io_, whose end destroys the clients, which then leave this list.
+  std::vector<Client*> clients{};
 
  protected:
   /// Throws WorldError, naming the kind of sink, if the port is taken.

@@ -21,10 +21,12 @@ struct Surroundings {
   double across = 0;               ///< distance between pixels, mm
 };
 
-// Of a step, in distances between pixels: 79 degrees and more may be an edge. Across the largest
-// ones a mixture of both surfaces would lack modulation, and be rejected.
-constexpr double steep = 5, largest = 20;
-constexpr double deviations = 5.5;  // as where clouds are cleaned
+constexpr double steep = EdgeModel::steep, deviations = EdgeModel::deviations;
+constexpr double off_centre = EdgeModel::off_centre, by_lens = EdgeModel::by_lens;
+
+// Across larger steps, in distances between pixels, a mixture of both surfaces would lack
+// modulation, and be rejected.
+constexpr double largest = 20;
 
 /// Direction from a pixel to neighbour `i` of 0 to 8; 4 is itself.
 Eigen::Vector2d to_neighbour(int i) {
@@ -176,11 +178,9 @@ double edge_sigma(const Cloud& cloud, const Maps& maps, int column, int row, dou
   // At a step the pixel may see either surface with a part of its area, whose centre is up to half
   // a pixel off the pixel's, evenly distributed. A small step looks like a steep slope, on which a
   // pixel sees both.
-  constexpr double off_centre = 0.29;
-
+  //
   // Up to two pixels from a step, the lens mixes in a tenth of the other surface. Beside a pixel
   // without light, a pixel may see only the near side of a step that its centre lies beyond.
-  constexpr double by_lens = 0.1;
   const double near_step = (around.at_unlit ? off_centre : by_lens) *
                            change_within_blur(cloud, around, column, row, noise * depth_by_y) /
                            depth_by_y;

@@ -7,8 +7,8 @@
 // Light that other surfaces reflect onto a point, or that spreads within its surface.
 namespace slipstream {
 
-/// Whether patterns show such light: it disturbs a band of a quarter to a sixteenth of the measuring
-/// band's periods far more than the measuring band.
+/// Whether patterns show such light: it disturbs a band of a quarter to a sixteenth of the
+/// measuring band's periods far more than the measuring band.
 bool shows_reflection(const Layout& layout);
 
 /// How such light disturbs the coarsest band of each point: the difference of its phasor from the

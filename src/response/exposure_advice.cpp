@@ -220,7 +220,9 @@ void propose(const Prediction& prediction, const ExposureNeeds& needs, ExposureA
 
     std::vector<double> choice = exposures;
     std::ranges::sort(choice);
-    std::ranges::transform(choice, choice.begin(), rounded);
+    std::ranges::transform(choice, choice.begin(), [&](double exposure) {
+      return std::clamp(rounded(exposure), needs.shortest, needs.longest);
+    });
     advice.proposed.push_back(prediction.of(choice));
   }
 

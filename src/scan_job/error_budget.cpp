@@ -13,6 +13,7 @@
 #include "check/waveform.h"
 #include "codes/predicted_variance.h"
 #include "decode/cue_evidence.h"
+#include "reconstruct/edge_sigma.h"
 #include "response/correction.h"
 
 namespace slipstream {
@@ -40,8 +41,8 @@ double rounding_variance(const FrameViews& frames) {
 /// Whether blur reaches a pixel from a step between surfaces, or from a pixel that was cleaned
 /// away. `noise`: standard deviation of depth, mm.
 bool is_near_step(const Cloud& cloud, int column, int row, double noise) {
-  constexpr int reach = 2;                       // pixels
-  constexpr double steep = 5, deviations = 5.5;  // as in edge_sigma
+  constexpr int reach = 2;  // pixels
+  constexpr double steep = EdgeModel::steep;
   const Eigen::Vector3d here = position_at(cloud, column, row);
 
   const int last_row = std::min(row + reach, cloud.size().height - 1);
@@ -59,7 +60,7 @@ bool is_near_step(const Cloud& cloud, int column, int row, double noise) {
       const bool is_beside = std::abs(x - column) < reach && std::abs(y - row) < reach;
       const Eigen::Vector3d there = position_at(cloud, x, y);
       if (on_one_surface(here, there, is_beside ? steep : steep / 2)) continue;
-      if ((there - here).norm() > deviations * noise) return true;
+      if ((there - here).norm() > EdgeModel::deviations * noise) return true;
     }
   }
   return false;
@@ -73,11 +74,6 @@ PointMeans means_of(const ScanResult& result, const FrameViews& frames) {
   const double grey_level = frames.full_scale() / 255;
   const double variance = scanner.photometry.noise_variance.value_or(CueSettings{}.noise_variance);
   const double half_period = 0.5 / measuring_band(sequence.strategy.layout()).periods;  // fields
-
-  // Beside a step sigma covers that a pixel sees either surface, 0.29 of the step. Its point lies
-  // on that surface, pulled by the tenth of the other one that a lens mixes in. That one's phase is
-  // at most half a period away.
-  constexpr double in_sigma = 0.29, by_lens = 0.1;
 
   PointMeans means;
   double count = 0;
@@ -96,9 +92,13 @@ PointMeans means_of(const ScanResult& result, const FrameViews& frames) {
     means.depth_by_coordinate += by_coordinate * by_coordinate;
     if (!maps.motion.empty()) means.motion += std::pow(maps.motion(column, row), 2);
 
+    // Beside a step sigma covers that a pixel sees either surface. Its point lies on that surface,
+    // pulled by the share of the other one that a lens mixes in, whose phase is at most half a
+    // period away.
     double edge = std::sqrt(std::max(0.0, z * z - of_noise));
     if (is_near_step(cloud, column, row, std::sqrt(of_noise))) {
-      edge = by_lens * std::min(edge / in_sigma, half_period * by_coordinate);
+      const double step = edge / EdgeModel::off_centre;
+      edge = EdgeModel::by_lens * std::min(step, half_period * by_coordinate);
     }
     means.edges += edge * edge;
   });

@@ -11,6 +11,7 @@
 #include "reconstruct/coordinate_map.h"
 #include "reconstruct/phase_matcher.h"
 #include "reconstruct/points.h"
+#include "scan_job/scan_colours.h"
 
 namespace slipstream {
 namespace {
@@ -53,9 +54,13 @@ std::vector<ScanResult> points_by_each_other(const CheckedJob& job) {
   std::vector<ScanResult> cameras;
 
   for (const auto& [one, other] : {std::pair(&first, &second), std::pair(&second, &first)}) {
-    // 1. The camera's coordinates, in the orders that the other confirms.
+    // 1. The camera's coordinates, in the orders that the other confirms: as measured.
     ScanResult& camera = cameras.emplace_back();
     EngineSetup& setup = camera.setup = setup_for(*one, job.setup.settings);
+    throw_if(setup.scanner.photometry.response.has_value(),
+             "points of a single frequency are not corrected for the response before they are "
+             "fused; match the cameras instead, or use patterns that give the fringe order");
+
     if (one == &second) {
       setup.settings = settings_for(setup.scanner, job.setup.scanner, setup.settings);
     }
@@ -67,7 +72,7 @@ std::vector<ScanResult> points_by_each_other(const CheckedJob& job) {
     // points.
     camera.cloud = cloud_of_coordinates(converted<double>(camera.maps.coordinate), setup);
     camera.cloud.intensity = std::move(matched.cloud.intensity);
-    camera.cloud.colour = one->colour;
+    camera.cloud.colour = colours_of(camera.cloud, *one);
     camera.uncertainty =
         uncertainty_of(camera.cloud, camera.maps, setup, one->frames.views().full_scale());
   }

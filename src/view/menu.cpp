@@ -10,7 +10,7 @@
 namespace slipstream::view {
 namespace {
 
-/// The mouse and the keys that have no menu entry.
+/// The mouse, and keys that the menus name only in some windows or not at all.
 constexpr std::array<std::pair<const char*, const char*>, 10> mouse_and_keys{{
     {"drag", "rotate"},
     {"right drag, Shift and drag", "move"},
@@ -28,13 +28,13 @@ void draw_file_menu(PanelState& state, PanelRequests& requests, const ViewSource
   if (!ImGui::BeginMenu("File")) return;
 
   if (source.open && ImGui::MenuItem("Open ...", "O")) {
-    requests.file = {FileQuestion::open, {}};
+    requests.file = {FileQuestion::open, state.path.data()};
   }
   if (source.save) {
     requests.save |= ImGui::MenuItem(source.opens_saved ? "Capture" : "Save scan", "S");
   }
   if (ImGui::MenuItem("Save cloud as ...", nullptr, false, has_points(state, source))) {
-    requests.file = {FileQuestion::save, {}};
+    requests.file = {FileQuestion::save, state.path.data()};
   }
   if (ImGui::MenuItem("Close", "Esc")) state.closing = true;
   ImGui::EndMenu();

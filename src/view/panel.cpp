@@ -135,15 +135,20 @@ void draw_measuring(PanelState& state) {
 
 /// A list of files, and a field for any other path; if it is empty, a dialog asks.
 void draw_files(PanelState& state, PanelRequests& requests, const ViewSource& source) {
-  if (!section("Files")) return;
+  const bool can_save = has_points(state, source);
+  if ((!source.open && !can_save) || !section("Files")) return;
+
   for (const std::string& name : state.openable) {
     if (ImGui::Selectable(name.c_str())) requests.file = {FileQuestion::open, name};
   }
 
   push_tab_stop(true);
   ImGui::SetNextItemWidth(-1);
-  if (ImGui::InputTextWithHint("##path", "path, then Enter; or drop a file here", state.path.data(),
-                               state.path.size(), ImGuiInputTextFlags_EnterReturnsTrue)) {
+  const char* const hint =
+      source.open ? "path, then Enter; or drop a file here" : "path of the file to save";
+  const bool entered = ImGui::InputTextWithHint(
+      "##path", hint, state.path.data(), state.path.size(), ImGuiInputTextFlags_EnterReturnsTrue);
+  if (entered && source.open) {
     requests.file = {FileQuestion::open, state.path.data()};
   }
   pop_tab_stop();
@@ -151,7 +156,8 @@ void draw_files(PanelState& state, PanelRequests& requests, const ViewSource& so
   if (source.open && ImGui::Button("Open ... (O)")) {
     requests.file = {FileQuestion::open, state.path.data()};
   }
-  if (!has_points(state, source)) return;
+  if (!can_save) return;
+
   if (source.open) ImGui::SameLine();
   if (ImGui::Button("Save cloud as ...")) requests.file = {FileQuestion::save, state.path.data()};
   tell_help("the points as .ply, .pcd or .xyz, the surface as .stl, .obj or .glb");

@@ -62,7 +62,7 @@ TEST_F(HandEyeProgram, GivesAPoseFileAReportAndADocument) {
   EXPECT_EQ(document["poses"].size(), 15U);
   EXPECT_EQ(document["to"], "tool");
   EXPECT_NE(contents(path("report/report.html")).find("Hand-eye calibration"), std::string::npos);
-  EXPECT_NE(contents(path("report/residuals.yaml")).find("left_out"), std::string::npos);
+  EXPECT_EQ(nlohmann::json::parse(contents(path("report/residuals.yaml"))), document["poses"]);
 }
 
 TEST_F(HandEyeProgram, TheTouchTestFindsAnInjectedError) {

@@ -25,6 +25,15 @@ inline Scan scene_scan(const std::string& scene, const Strategy& strategy,
   return {.frames = taken.frames, .sequence = sequence, .scanner = as_calibrated(world)};
 }
 
+/// The findings of a right scan of a world along x.
+inline ScanFindings findings_of(const VirtualWorld& world, const Strategy& strategy) {
+  const VirtualScan taken =
+      take_scan(world.scanner, world.scene, pattern_set(strategy, Axis::x), world.photometry);
+  return check_scan({.frames = taken.frames,
+                     .sequence = {strategy, Axis::x, {}, world.scanner.projector.size},
+                     .scanner = as_calibrated(world)});
+}
+
 /// The findings, a line each.
 inline std::string told(const ScanFindings& found) {
   std::string text;

@@ -150,6 +150,29 @@ class LitScene {
   const Image<double> down_;  ///< coordinate along y
 };
 
+/// A statue under the light of a screen, filmed by a camera that runs freely.
+struct FilmedStatue {
+  FilmedStatue() {
+    if (camera == nullptr) return;
+    camera->look_at([this] { return scene.picture(); });
+    camera->set_frame_rate(60);
+  }
+
+  static VirtualWorld statue() {
+    VirtualWorld world = virtual_world({.scene = "statue", .camera = {320, 240}, .world = "ideal"});
+    world.photometry.bits = 8;
+    return world;
+  }
+
+  const TemporaryFolder folder;
+  const Desktop desktop{folder.path()};
+  const Screen screen{folder.path()};
+  const VirtualWorld world = statue();
+  const LitScene scene{screen, world};
+  const std::unique_ptr<VirtualGigeCamera> camera =
+      serve(std::vector<Frame>{Frame({{320, 240}, 8})});
+};
+
 /// Flags of a run on the screen, with a scanner file.
 std::vector<std::string> live_flags(const fs::path& scanner, const std::string& seconds) {
   return {"live",       "--source",   "aravis:" + std::string(served_address),
@@ -160,20 +183,16 @@ std::vector<std::string> live_flags(const fs::path& scanner, const std::string& 
 }
 
 TEST(SteppedProgram, LiveOnAMonitorIsInStepWithACameraThatRunsFreely) {
-  const TemporaryFolder folder;
-  const Desktop desktop(folder.path());
-  const Screen screen(folder.path());
-  VirtualWorld world = virtual_world({.scene = "statue", .camera = {320, 240}, .world = "ideal"});
-  ASSERT_EQ(world.scanner.projector.size.width, screen.width());
-  world.photometry.bits = 8;
-  const LitScene scene(screen, world);
-  const auto camera = serve(std::vector<Frame>{Frame({{320, 240}, 8})});
-  REQUIRE_CAMERA(camera);
-  camera->look_at([&] { return scene.picture(); });
-  camera->set_frame_rate(60);
-  const fs::path scanner = folder.path() / "scanner.yaml", cloud = folder.path() / "cloud.ply";
-  write_scanner(scanner, world.scanner);
+  const FilmedStatue filmed;
+  REQUIRE_CAMERA(filmed.camera);
+  ASSERT_EQ(filmed.world.scanner.projector.size.width, filmed.screen.width());
+
+  const fs::path folder = filmed.folder.path();
+  const fs::path scanner = folder / "scanner.yaml", cloud = folder / "cloud.ply";
+  write_scanner(scanner, filmed.world.scanner);
+
   const char* const seconds = std::getenv("SLIPSTREAM_REHEARSAL_SECONDS");
+
   // The screen's server may show patterns late, at times for seconds; the check then tells. Another
   // run follows if it did so in more than a tenth of one.
   constexpr int most_runs = 4;
@@ -202,11 +221,12 @@ TEST(SteppedProgram, LiveOnAMonitorIsInStepWithACameraThatRunsFreely) {
   std::printf("%.1f patterns per s, %d of %d lost, %d doubted; %d clouds\n",
               taken / told["seconds"].get<double>(), lost, taken, static_cast<int>(doubted),
               told["clouds"].get<int>());
+
   // The ideal scanner errs by 0.35.
   std::vector<double> errors;
   const Cloud made = read_cloud(cloud).cloud;
   for_each_pixel_in_order(made.size(), [&](int column, int row) {
-    const double error = std::abs(made.z(column, row) - scene.depth()(column, row));
+    const double error = std::abs(made.z(column, row) - filmed.scene.depth()(column, row));
     if (std::isfinite(error)) errors.push_back(error);
   });
   EXPECT_GT(errors.size(), 20000U);
@@ -214,20 +234,12 @@ TEST(SteppedProgram, LiveOnAMonitorIsInStepWithACameraThatRunsFreely) {
 }
 
 TEST(SteppedProgram, LiveOnAMonitorWarnsOfARigThatMoved) {
-  const TemporaryFolder folder;
-  const Desktop desktop(folder.path());
-  const Screen screen(folder.path());
-  VirtualWorld world = virtual_world({.scene = "statue", .camera = {320, 240}, .world = "ideal"});
-  world.photometry.bits = 8;
-  const LitScene scene(screen, world);
-  const auto camera = serve(std::vector<Frame>{Frame({{320, 240}, 8})});
-  REQUIRE_CAMERA(camera);
-  camera->look_at([&] { return scene.picture(); });
-  camera->set_frame_rate(60);
+  const FilmedStatue filmed;
+  REQUIRE_CAMERA(filmed.camera);
 
-  const fs::path scanner = folder.path() / "scanner.yaml";
+  const fs::path scanner = filmed.folder.path() / "scanner.yaml";
   for (const double angle : {0.0, 0.02}) {
-    Scanner turned = world.scanner;
+    Scanner turned = filmed.world.scanner;
     turned.rotation = (Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitX()) * turned.rotation).eval();
     write_scanner(scanner, turned);
 

@@ -109,7 +109,7 @@ MISTAKES = [
     ("publish: [web:0, web:0]", 5, "given twice"),
     ("publish: web:70000", 5, "a port"),
     ("publish: [web:0, mcap:nowhere/x.mcap]", 5, "No such file or directory"),
-    ("source: aravis:", 5, "quote values that end in a colon, e.g. source: 'aravis:'"),
+    ("source: aravis:", 5, "quote values that have a colon, e.g. name: 'a: b'"),
     ("camera: [", 7, "not YAML"),
     ("threads: -2", 5, "0 (all cores) or more"),
 ]

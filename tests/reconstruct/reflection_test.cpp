@@ -122,7 +122,7 @@ const Strategy dual = DualFrequency{.steps = 8, .high = 16};
 
 void expect_found(const Found& found) {
   EXPECT_GT(found.bad, 500) << "else this shows nothing";
-  EXPECT_GE(found.found, 0.95 * found.bad);
+  EXPECT_GE(found.found, 0.99 * found.bad);
   EXPECT_LE(found.lost, 0.02 * found.good);
 }
 
@@ -144,12 +144,14 @@ double lost_share(const char* scene, const Strategy& strategy) {
       .cloud(frames, cloud);
   const double lost =
       static_cast<double>(count_by_validity(cloud)[static_cast<std::size_t>(Validity::reflected)]);
-  return lost / (lost + static_cast<double>(point_count(cloud)));
+  const double share = lost / (lost + static_cast<double>(point_count(cloud)));
+  std::printf("%s: %.2f %% of the points rejected\n", scene, 100 * share);
+  return share;
 }
 
 TEST(Reflection, IsNotFoundWhereNoSurfaceLightsAnother) {
-  for (const char* const scene : {"board", "sphere", "statue", "boxes", "fish"}) {
-    EXPECT_LT(lost_share(scene, dual), 0.02) << scene;
+  for (const char* const scene : {"board", "sphere", "statue", "boxes", "fish", "angel"}) {
+    EXPECT_LT(lost_share(scene, dual), 0.021) << scene;
   }
 }
 

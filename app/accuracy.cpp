@@ -178,7 +178,8 @@ struct VerifyFlags {
   std::optional<std::string> artefacts, report, calibrated;
   bool rehearse = false;
   VirtualFlags devices;  ///< rehearsal only: its world
-  CloudFlags input;
+  ScanChanges changes;
+  ScanJobSettings job;
 };
 
 std::optional<double> value_of(const std::optional<Estimate>& estimate) {
@@ -245,8 +246,7 @@ struct Test {
 };
 
 /// The error of a scan's depths by its sources.
-Facts budget_of(Scan scan, const CloudFlags& flags, const std::string& name) {
-  ScanJobSettings settings = job_settings(flags);
+Facts budget_of(Scan scan, ScanJobSettings settings, const std::string& name) {
   settings.uncertainty = true;
   settings.keep_refused = true;  // the test itself refuses it
   const ScanResult result = ScanJob(settings)(std::move(scan), name);
@@ -256,16 +256,16 @@ Facts budget_of(Scan scan, const CloudFlags& flags, const std::string& name) {
 Test rehearsed(const VerifyFlags& flags) {
   VirtualFlags devices = flags.devices;
   devices.scene = "board";  // removed before the artefacts are placed
-  devices.scanner_file = flags.input.scanner;
+  devices.scanner_file = flags.changes.scanner;
 
   const VirtualWorld world = world_from(devices);
   const Scanner calibrated =
       flags.calibrated ? read_scanner(*flags.calibrated) : as_calibrated(world);
 
-  require_valid(flags.input.settings.clean);
-  const Sequence sequence = sequence_for(flags.input.sequence, world.scanner);
+  require_valid(flags.job.reconstruct.clean);
+  const Sequence sequence = sequence_for(flags.changes.sequence, world.scanner);
 
-  Test test{.rehearsal = rehearsal(world, sequence, calibrated, flags.input.settings),
+  Test test{.rehearsal = rehearsal(world, sequence, calibrated, flags.job.reconstruct),
             .subject = fmt::format("Rehearsed in the virtual world {}: {}", devices.world,
                                    label_of(sequence.strategy)),
             .exact_scanner = !flags.calibrated};
@@ -276,23 +276,23 @@ Test rehearsed(const VerifyFlags& flags) {
     const VirtualScan board =
         take_scan(world.scanner, world.scene, pattern_set(sequence), world.photometry);
     test.budget = budget_of({.frames = board.frames, .sequence = sequence, .scanner = calibrated},
-                            flags.input, "a board");
+                            flags.job, "a board");
   }
   return test;
 }
 
 /// Sets the facts about the scanner and the patterns of a scan, and its budget. Ignores a cloud.
-void set_facts(const std::string& path, const CloudFlags& flags, Test& test, Output& output) {
+void set_facts(const std::string& path, const VerifyFlags& flags, Test& test, Output& output) {
   if (is_cloud_file(path)) return;
 
   Output held = output.held();  // its warnings are printed when the scan is reconstructed
-  Scan scan = load_checkable(path, flags, false, held);
+  Scan scan = load_checkable(path, flags.changes, false, held);
   if (scan.scanner) {
     add_scanner(test.facts, *scan.scanner,
-                flags.scanner.value_or((fs::path(path) / "scanner.yaml").string()));
+                flags.changes.scanner.value_or((fs::path(path) / "scanner.yaml").string()));
   }
   test.facts.emplace_back("patterns", label_of(scan.sequence.strategy));
-  test.budget = budget_of(std::move(scan), flags, path);
+  test.budget = budget_of(std::move(scan), flags.job, path);
 }
 
 Test of_artefacts(const VerifyFlags& flags, Output& output) {
@@ -307,13 +307,13 @@ Test of_artefacts(const VerifyFlags& flags, Output& output) {
     files.add_output_folder(*flags.report);
     for (const auto* scans : {&artefacts.spheres, &artefacts.planes, &artefacts.repeated}) {
       if (scans->empty()) continue;
-      set_facts(scans->front(), flags.input, test, output);
+      set_facts(scans->front(), flags, test, output);
       break;
     }
   }
 
   test.rehearsal = {std::move(artefacts), [&](const std::string& scan) {
-                      return organised_cloud(scan, flags.input, output).cloud;
+                      return organised_cloud(scan, flags.changes, flags.job, output).cloud;
                     }};
   return test;
 }
@@ -378,7 +378,7 @@ void add_verify(const Commands& program) {
   command.add_output("-o,--output", flags.report, "folder for a report with pictures",
                      output_folder_type);
 
-  add_cloud_flags(command.app, flags.input);
+  add_cloud_flags(command.app, flags.changes, flags.job);
   command.common({"--rehearse", "--limits", "--output", "--world", "--scanner", "--calibrated"});
   command.examples(
       {"verify artefacts.yaml -o report", "verify --rehearse -o report --limits probing_size=0.5"});

@@ -19,11 +19,8 @@ struct AssistFlags {
 
 /// A scan whose sequence holds the exposures it was taken with.
 Scan from_scan(const AssistFlags& flags, Output& output) {
-  ScanFlags input;
-  input.sequence = flags.source.sequence;
-  input.scanner = flags.source.scanner;
-
-  Scan scan = load_checkable(flags.scan, input, false, output);
+  const ScanChanges changes{.sequence = flags.source.sequence, .scanner = flags.source.scanner};
+  Scan scan = load_checkable(flags.scan, changes, false, output);
   scan.sequence.exposures = scan.exposures;
   return scan;
 }

@@ -40,7 +40,7 @@ std::uint64_t pixels_of(const ScanFiles& scan) {
 /// Unreadable scans cost little; their shard reports why.
 void set_cost(ListedScans& listed, const ReconstructFlags& flags, Output& output) try {
   listed.cost =
-      scan_count(listed, flags.every) * pixels_of(scan_files_in(listed.path, flags.cloud));
+      scan_count(listed, flags.every) * pixels_of(scan_files_in(listed.path, flags.changes));
 } catch (const Error& error) {
   output.warn(error.what());
   listed.cost = 1;
@@ -61,8 +61,8 @@ void require_distinct(const ReconstructFlags& flags) {
   }
 }
 
-void plan_batch(const BatchFlags& given, Output& output) {
-  BatchFlags flags = given;
+void plan_batch(const BatchFlags& parsed, Output& output) {
+  BatchFlags flags = parsed;
   throw_if(flags.tasks < 1, "--tasks 0 is out of range; 1 or more");
   const std::string plan = flags.folder + "/batch.json";
   throw_if(fs::exists(plan), "{}: already holds a batch; name another folder", flags.folder);

@@ -16,7 +16,8 @@ namespace {
 struct CalibrateResidualFlags {
   std::string scan, output;
   std::optional<std::string> picture;
-  CloudFlags input;
+  ScanChanges changes;
+  ScanJobSettings job;
 };
 
 /// The medians of all blocks before and after the map, side by side, in the same colours.
@@ -30,26 +31,15 @@ Image<double> side_by_side(const Image<float>& left, const Image<float>& right) 
   return both;
 }
 
-/// Lists all findings. Warns of the reconstruction's: the check's are printed already.
-void tell_findings(const std::string& scan, const CheckedJob& job, const ScanResult& result,
-                   Output& output) {
-  const std::vector<Finding>& findings = result.checked.findings;
-  output.document["findings"] = findings;
-  for (std::size_t i = job.checked.findings.size(); i < findings.size(); ++i) {
-    output.warn(fmt::format("{}: {}", scan, text_of(findings[i])));
-  }
-}
-
 void calibrate_residual(const CalibrateResidualFlags& flags, Output& output) {
   // 1. The scan's distances from the epipolar lines.
-  ScanJobSettings settings = job_settings(flags.input);
+  ScanJobSettings settings = flags.job;
   settings.maps = true;
-  Scan scan = load_checkable(flags.scan, flags.input, false, output);
+  Scan scan = load_checkable(flags.scan, flags.changes, false, output);
   throw_if(scan.other_axis.empty(), "{}: a residual map requires patterns along both axes",
            flags.scan);
-  const CheckedJob job = checked_scan(std::move(scan), flags.scan, settings, output);
-  const ScanResult result = ScanJob(settings)(job, flags.scan);
-  tell_findings(flags.scan, job, result, output);
+  output.list("findings");
+  const ScanResult result = result_of(std::move(scan), flags.scan, settings, output);
 
   // 2. The map that held-out parts of the picture support.
   const Scanner& scanner = result.setup.scanner;
@@ -92,7 +82,7 @@ void add_calibrate_residual(const Commands& calibrate) {
                      "distances from the epipolar lines before and after, in projector pixels: "
                      ".png");
 
-  add_scan_input_flags(command.app, flags.input);
+  add_scan_input_flags(command.app, flags.changes, flags.job);
   command.common({"--output", "--picture", "--scanner", "--strategy", "--steps", "--high", "--low",
                   "--projector"});
   command.examples(

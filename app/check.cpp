@@ -14,46 +14,27 @@ namespace {
 
 struct CheckFlags {
   std::vector<std::string> folders;
-  ScanFlags input;
-  CheckSettings settings;
+  ScanChanges changes;
+  ScanJobSettings job;
 };
 
-/// Compares the scan with its guard, unless it is refused already.
-GuardResult guarded(Scan scan, const CheckFlags& flags, const GammaChoice& gamma,
-                    const CheckedScan& checked) {
-  if (!scan.scanner || scan.guard.empty() || any_wrong(checked.findings)) return {};
-  scan.scanner->photometry.response = gamma.response;
-
-  ReconstructSettings settings;
-  settings.minimum_modulation = flags.settings.minimum_modulation;
-  return compare_with_guard(scan, settings);
-}
-
 /// Prints the scale of the scan's scanner, and how it fits the guard, if any.
-void tell_scanner(const std::string& folder, const Scan& scan, const GuardResult& guard,
-                  double depth, Output& output) {
-  const double baseline = scan.scanner->translation.norm();
+void tell_scanner(const std::string& folder, const Scanner& scanner, const ScanCheck& result,
+                  Output& output) {
+  const double baseline = scanner.translation.norm(), depth = result.checked.median_depth;
   output.say("{}: baseline {:.4g} mm, median depth {:.4g} mm", folder, baseline, depth);
-  if (guard.epipolar) tell_guard(*guard.epipolar, folder + ": ", output);
+  if (result.guard) tell_guard(*result.guard, folder + ": ", output);
   describe(output.list("scans").back(), "baseline_mm", baseline, "median_depth_mm", depth, "guard",
-           guard.epipolar);
+           result.guard);
 }
 
 void check(const CheckFlags& flags, Output& output) {
   output.document["scans"] = nlohmann::json::array();
   Progress progress("scans", flags.folders.size());
   for (const std::string& folder : flags.folders) {
-    Scan scan = load_checkable(folder, flags.input, true, output);
-    CheckSettings settings = flags.settings;
-    settings.photometry = flags.input.photometry;
-    const GammaChoice gamma = choose_response(scan, flags.input.gamma);
-    settings.photometry.response = gamma.response;
-    settings.blind = gamma.blind;
-
-    const CheckedScan checked = check_and_repair(scan, settings);
-    std::vector<Finding> findings = checked.findings;
-    const GuardResult guard = guarded(scan, flags, gamma, checked);
-    findings.insert(findings.end(), guard.findings.begin(), guard.findings.end());
+    Scan scan = load_checkable(folder, flags.changes, true, output);
+    const ScanCheck result = check(scan, flags.job);
+    const std::vector<Finding>& findings = result.checked.findings;
     if (any_wrong(findings)) output.exit_code = 2;
     output.add_to("scans", "scan", folder, "findings", findings);
 
@@ -66,7 +47,7 @@ void check(const CheckFlags& flags, Output& output) {
     }
 
     if (scan.scanner) {
-      tell_scanner(folder, scan, guard, checked.median_depth, output);
+      tell_scanner(folder, *scan.scanner, result, output);
     } else if (!scan.further_cameras.empty()) {
       output.say("{}: two cameras, no projector: the calibration is not checked", folder);
     }
@@ -77,7 +58,8 @@ void check(const CheckFlags& flags, Output& output) {
 
 struct MeasureFlags {
   std::string path;
-  CloudFlags input;
+  ScanChanges changes;
+  ScanJobSettings job;
   std::vector<std::string> points, planes, spheres;
   std::vector<std::pair<std::string, std::string>> distances;
 };
@@ -104,11 +86,11 @@ struct Measuring {
     return Eigen::Vector3d(direction(along).cwiseAbs());
   }
 
-  void require_pixels(const std::string& what) const {
+  void require_pixels(const std::string& value) const {
     throw_if(!stored.organised,
              "{}: its points are not organised by pixel, as '{}' requires; measure the scan or an "
              "organised .pcd, or fit --plane or --sphere to all points: all",
-             path, what);
+             path, value);
   }
 };
 
@@ -202,12 +184,13 @@ void measure(const MeasureFlags& flags, Output& output) {
 
   // A cloud file is measured as it is; a scan is reconstructed first.
   output.document["input"] = flags.path;
-  StoredCloud stored = is_cloud_file(flags.path) ? loaded_cloud(flags.path, output)
-                                                 : organised_cloud(flags.path, flags.input, output);
+  StoredCloud stored = is_cloud_file(flags.path)
+                           ? loaded_cloud(flags.path, output)
+                           : organised_cloud(flags.path, flags.changes, flags.job, output);
 
   // Shapes are fitted as the camera sees them; results are in the file's frame or the wanted one.
   std::shared_ptr<const FramePose> frame = stored.cloud.frame;
-  const std::shared_ptr<const FramePose>& wanted = wanted_frame(flags.input.settings);
+  const std::shared_ptr<const FramePose>& wanted = wanted_frame(flags.job.reconstruct);
   if (wanted) frame = frame_after(frame, *wanted);
   move_to_camera(stored.cloud, stored.uncertainty ? &*stored.uncertainty : nullptr);
   output.document["frame"] = frame ? std::string_view(frame->to) : camera_frame;
@@ -239,7 +222,7 @@ void add_measure(const Commands& program) {
             "200x100+320+240, or to all");
   group.add("--sphere", flags.spheres, "fit to the points in a pixel rectangle, as for --plane");
 
-  add_cloud_flags(command.app, flags.input);
+  add_cloud_flags(command.app, flags.changes, flags.job);
   command.common({"--point", "--distance", "--plane", "--sphere", "--scanner",
                   "--minimum-modulation", "--largest-sigma", "--raw"});
   command.examples({"measure scan --point 320,240 --distance 100,200 500,210",
@@ -253,10 +236,10 @@ void add_check(const Commands& program) {
 
   required(command.add_file("folders", flags.folders,
                             "scan folders (pictures, and scan.yaml or flags) or recordings"));
-  command.add("--minimum-modulation", flags.settings.minimum_modulation,
+  command.add("--minimum-modulation", flags.job.reconstruct.minimum_modulation,
               "minimum modulation of a valid pixel, grey levels of 255 at any bit depth");
 
-  add_scan_input_flags(command.app, flags.input);
+  add_scan_input_flags(command.app, flags.changes, flags.job);
   command.common({"--scanner", "--strategy", "--steps", "--high", "--low", "--axis", "--projector",
                   "--order"});
   command.examples(

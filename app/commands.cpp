@@ -238,6 +238,12 @@ Rectangle region_from(const std::string& text, const std::string& flag) {
   return *region;
 }
 
+Eigen::Vector3d place_from(const std::string& text, const std::string& flag) {
+  const std::vector<double> numbers = numbers_in<double>(text, ',');
+  throw_if(numbers.size() != 3, "{} '{}': expected x,y,z in mm, e.g. 100,0,0", flag, text);
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
 void add_rig_flag(CLI::App& subcommand, const CLI::App& program, AppliedRig& rig) {
   if (opens_ports(subcommand)) {
     const std::string help = "let other machines reach the ports that the rig file opens";

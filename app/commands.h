@@ -58,6 +58,9 @@ Size size_from(const std::string& text, const std::string& flag);
 /// Parses "640x480+16+8". Throws Error naming the flag for anything else.
 Rectangle region_from(const std::string& text, const std::string& flag);
 
+/// Parses "100,0,0", mm. Throws Error naming the flag for anything else.
+Eigen::Vector3d place_from(const std::string& text, const std::string& flag);
+
 /// Element type of a flag's value.
 template <class Value>
 struct NumberOf {

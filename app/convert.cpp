@@ -21,10 +21,7 @@
 #include "publish/mcap.h"
 #include "publish/mcap_reader.h"
 #include "publish/transform_message.h"
-#include "slipstream/recording.h"
 #include "slipstream/ros_messages.h"
-#include "slipstream/scan_files.h"
-#include "slipstream/scanner_file.h"
 
 namespace slipstream::app {
 namespace {
@@ -33,7 +30,8 @@ struct ConvertFlags {
   std::vector<std::string> paths;
   std::string output;
   std::string topic;
-  CloudFlags cloud;
+  ScanChanges changes;
+  ScanJobSettings job;
 };
 
 bool is_mcap(const std::string& path) {
@@ -48,9 +46,9 @@ void require_only(bool only, const std::string& path) {
 }
 
 /// Names an input, or a window of it, that the output lacks; the other inputs go on.
-void leave_out(std::string_view what, Output& output) {
-  output.tell_failure(fmt::format("left out: {}", what));
-  output.list("left_out").push_back(what);
+void leave_out(std::string_view reason, Output& output) {
+  output.tell_failure(fmt::format("left out: {}", reason));
+  output.list("left_out").push_back(reason);
   output.exit_code = 2;
 }
 
@@ -244,9 +242,9 @@ constexpr std::uint64_t nanoseconds = 1'000'000'000;
 class CloudFiles {
  public:
   /// `frame`: which the clouds are moved to; null: they keep theirs.
-  CloudFiles(const std::string& output, std::shared_ptr<const FramePose> frame, Output& words)
-      : output_(output), frame_(std::move(frame)), words_(words) {
-    if (!is_mcap(output)) require_cloud_ending(output);
+  CloudFiles(const std::string& path, std::shared_ptr<const FramePose> frame, Output& output)
+      : path_(path), frame_(std::move(frame)), output_(output) {
+    if (!is_mcap(path)) require_cloud_ending(path);
   }
 
   /// `time`: ns; nullopt: one second after the previous cloud.
@@ -254,7 +252,7 @@ class CloudFiles {
     last_ = time.value_or(count_ == 0 ? 0 : last_ + nanoseconds);
     ++count_;
 
-    is_mcap(output_) ? add_message(stored) : add_file(stored, name);
+    is_mcap(path_) ? add_message(stored) : add_file(stored, name);
   }
 
   void finish() {
@@ -262,11 +260,11 @@ class CloudFiles {
     if (writer_) writer_->finish();
 
     const std::size_t files = writer_ ? 1 : written_.size();
-    words_.say("{}: {} cloud{} in {} file{}", output_, count_, count_ == 1 ? "" : "s", files,
-               files == 1 ? "" : "s");
+    output_.say("{}: {} cloud{} in {} file{}", path_, count_, count_ == 1 ? "" : "s", files,
+                files == 1 ? "" : "s");
 
-    words_.document["clouds"] = count_;
-    words_.document["files"] = writer_ ? nlohmann::json{output_} : nlohmann::json(written_);
+    output_.document["clouds"] = count_;
+    output_.document["files"] = writer_ ? nlohmann::json{path_} : nlohmann::json(written_);
   }
 
  private:
@@ -277,7 +275,7 @@ class CloudFiles {
 
     // Channels are declared with the first cloud.
     if (!writer_) {
-      writer_.emplace(output_, OutputFile::Writing::at_once);
+      writer_.emplace(path_, OutputFile::Writing::at_once);
       const RosType points = point_cloud_type(), image = image_type();
       points_ = writer_->add_channel("/points", points.name, points.definition);
       image_ = writer_->add_channel("/image", image.name, image.definition);
@@ -298,8 +296,8 @@ class CloudFiles {
 
   /// Writes where the camera is in the frame, unless it is known already; null: the camera's.
   void add_transform(const std::shared_ptr<const FramePose>& frame) {
-    const bool is_known = told_ != nullptr && frame != nullptr && told_->to == frame->to &&
-                          told_->transform.matrix() == frame->transform.matrix();
+    const bool is_known = sent_ != nullptr && frame != nullptr && sent_->to == frame->to &&
+                          sent_->transform.matrix() == frame->transform.matrix();
     if (frame == nullptr || is_known) return;
 
     if (!transform_) {
@@ -309,24 +307,24 @@ class CloudFiles {
     }
     write_transform(*frame, camera_frame, last_, message_);
     writer_->write(*transform_, last_, message_);
-    told_ = frame;
+    sent_ = frame;
   }
 
   void add_file(const StoredCloud& stored, const ScanName& name) {
-    const std::string path = files_of_scan({.cloud = output_}, name).cloud;
+    const std::string path = files_of_scan({.cloud = path_}, name).cloud;
     require_only(written_.insert(path).second, path);
 
     write_cloud(path, stored.cloud, {.uncertainty = uncertainty_of(stored), .frame = frame_});
   }
 
-  const std::string output_;
+  const std::string path_;
   const std::shared_ptr<const FramePose> frame_;
-  Output& words_;
+  Output& output_;
   std::uint64_t count_ = 0, last_ = 0;
   std::optional<McapWriter> writer_;
   std::uint16_t points_ = 0, image_ = 0;
   std::optional<std::uint16_t> transform_;  ///< channel
-  std::shared_ptr<const FramePose> told_;   ///< the last one written
+  std::shared_ptr<const FramePose> sent_;   ///< the last one written
   RosMessage message_;
   std::set<std::string> written_;
 };
@@ -379,10 +377,11 @@ void convert_mcap(const std::string& path, const std::string& topic, CloudFiles&
 }
 
 /// Reconstructs each complete cycle, and names those that it leaves out.
-void convert_recording(const std::string& path, CloudFlags flags, CloudFiles& files,
+void convert_recording(const std::string& path, const ConvertFlags& flags, CloudFiles& files,
                        Output& output) {
   const RecordingReader recording(path);
-  const Sequence sequence = scan_files_in(path, flags).sequence;
+  ScanChanges changes = flags.changes;
+  const Sequence sequence = scan_files_in(path, changes).sequence;
 
   // A colour picture holds three patterns, so patterns come three times as fast.
   const double rate = (recording.header().in_colour ? 3 : 1) * recording.header().frame_rate;
@@ -391,12 +390,12 @@ void convert_recording(const std::string& path, CloudFlags flags, CloudFiles& fi
   const std::uint64_t windows = complete_windows(recording, sequence, path, output);
   Progress progress("clouds", windows);
   for (std::uint64_t window = 0; window < windows; ++window, progress.advance()) {
-    flags.window = window;
+    changes.window = window;
     const auto time = static_cast<std::uint64_t>(static_cast<double>(window) * cycle * nanoseconds);
 
     std::optional<StoredCloud> stored;
     try {
-      stored = organised_cloud(path, flags, output);
+      stored = organised_cloud(path, changes, flags.job, output);
     } catch (const Error& error) {
       leave_out(error.what(), output);
       continue;
@@ -425,10 +424,10 @@ void convert(const ConvertFlags& flags, Output& output) {
     return convert_to_frames(flags.paths, flags.output, output);
   }
   if (ending == ".slip")
-    return convert_to_recording(flags.paths, flags.output, flags.cloud, output);
-  if (ending.empty()) return convert_to_folders(flags.paths, flags.output, flags.cloud, output);
+    return convert_to_recording(flags.paths, flags.output, flags.changes, output);
+  if (ending.empty()) return convert_to_folders(flags.paths, flags.output, flags.changes, output);
 
-  CloudFiles files(flags.output, wanted_frame(flags.cloud.settings), output);
+  CloudFiles files(flags.output, wanted_frame(flags.job.reconstruct), output);
   const bool one_file = !is_mcap(flags.output) && flags.output.find('{') == std::string::npos;
   require_only(!one_file || flags.paths.size() == 1, flags.output);
 
@@ -438,9 +437,9 @@ void convert(const ConvertFlags& flags, Output& output) {
     } else if (is_cloud_file(path)) {
       files.add(loaded_cloud(path, output), {path}, std::nullopt);
     } else if (is_recording(path)) {
-      convert_recording(path, flags.cloud, files, output);
+      convert_recording(path, flags, files, output);
     } else {
-      files.add(organised_cloud(path, flags.cloud, output), {path}, std::nullopt);
+      files.add(organised_cloud(path, flags.changes, flags.job, output), {path}, std::nullopt);
     }
   }
 
@@ -467,7 +466,7 @@ void add_convert(const Commands& program) {
       "for ROS"));
 
   command.add("--topic", flags.topic, "MCAP input: convert only this topic's clouds, e.g. /points");
-  add_cloud_flags(command.app, flags.cloud);
+  add_cloud_flags(command.app, flags.changes, flags.job);
 
   command.common(
       {"--output", "--topic", "--scanner", "--minimum-modulation", "--largest-sigma", "--raw"});

@@ -34,7 +34,8 @@ struct PointsFlags {
   std::string pairs;
   std::vector<std::pair<std::string, std::string>> picks;
   std::string name = "part";
-  CloudFlags cloud;
+  ScanChanges changes;
+  ScanJobSettings job;
   PoseOutputFlags output;
 };
 
@@ -42,7 +43,8 @@ struct PlanesFlags {
   std::string input;
   std::vector<std::string> planes;
   std::string name = "part";
-  CloudFlags cloud;
+  ScanChanges changes;
+  ScanJobSettings job;
   PoseOutputFlags output;
 };
 
@@ -50,7 +52,7 @@ struct BoardPoseFlags {
   std::string input;
   BoardFlags board;
   std::string name = "board";
-  ScanFlags scan;
+  ScanChanges changes;
   PoseOutputFlags output;
 };
 
@@ -60,7 +62,7 @@ struct MarkerPoseFlags {
   double side = 0;  ///< mm
   std::optional<int> number;
   std::string name = "marker";
-  ScanFlags scan;
+  ScanChanges changes;
   PoseOutputFlags output;
 };
 
@@ -68,12 +70,6 @@ FramePose camera_to(const std::string& name, const Eigen::Isometry3d& pose) {
   require_frame_name(name);
   throw_if(name == camera_frame, "--name {}: this is the name of the camera's frame", name);
   return {std::string(camera_frame), name, pose};
-}
-
-Eigen::Vector3d place_from(const std::string& text, const std::string& flag) {
-  const std::vector<double> numbers = numbers_in<double>(text, ',');
-  throw_if(numbers.size() != 3, "{} '{}': expected x,y,z in mm, e.g. 100,0,0", flag, text);
-  return {numbers[0], numbers[1], numbers[2]};
 }
 
 /// Points of the camera's frame and their partners in the new one, each with its name.
@@ -105,7 +101,7 @@ void read_pairs(const std::string& file, PointPairs& pairs) {
 /// Adds the picked pixels of a cloud.
 void pick_points(const PointsFlags& flags, PointPairs& pairs, Output& output) {
   throw_if(flags.input.empty(), "--pick needs the scan or cloud whose pixels are picked");
-  const StoredCloud stored = organised_cloud(flags.input, flags.cloud, output);
+  const StoredCloud stored = organised_cloud(flags.input, flags.changes, flags.job, output);
 
   for (const auto& [pixel, place] : flags.picks) {
     const std::vector<int> numbers = numbers_in<int>(pixel, ',');
@@ -146,7 +142,7 @@ void find_by_planes(const PlanesFlags& flags, Output& output) {
   throw_if(flags.planes.size() != 3,
            "{} planes; give three: the first sets z, the second y, the third the origin along x",
            flags.planes.size());
-  const StoredCloud stored = organised_cloud(flags.input, flags.cloud, output);
+  const StoredCloud stored = organised_cloud(flags.input, flags.changes, flags.job, output);
 
   std::array<FittedPlane, 3> planes;
   for (std::size_t i = 0; i < planes.size(); ++i) {
@@ -174,7 +170,7 @@ struct SeenPicture {
   Lens lens;
 };
 
-SeenPicture picture_in(const std::string& input, const ScanFlags& flags, Output& output) {
+SeenPicture picture_in(const std::string& input, const ScanChanges& changes, Output& output) {
   // A folder of a board's pose has a scan along each axis; both show the board.
   std::string path = input;
   for (const char* const scan : {"x", "x.slip"}) {
@@ -182,7 +178,7 @@ SeenPicture picture_in(const std::string& input, const ScanFlags& flags, Output&
     if (fs::is_directory(input) && fs::exists(along_x)) path = along_x.string();
   }
 
-  const Scan scan = load_checkable(path, flags, false, output);
+  const Scan scan = load_checkable(path, changes, false, output);
   throw_if(!scan.scanner || !has_geometry(*scan.scanner),
            "{}: no scanner is known, whose camera took it; name its file with --scanner", input);
   const Lens& lens = scan.scanner->camera;
@@ -193,7 +189,7 @@ SeenPicture picture_in(const std::string& input, const ScanFlags& flags, Output&
 
 void find_by_board(const BoardPoseFlags& flags, Output& output) {
   const CalibrationBoard board = board_from(flags.board);
-  const SeenPicture seen = picture_in(flags.input, flags.scan, output);
+  const SeenPicture seen = picture_in(flags.input, flags.changes, output);
 
   // 1. The corners.
   const std::optional<BoardCorners> corners = find_board(board, seen.pictures);
@@ -245,7 +241,7 @@ SeenMarker marker_in(const Image<float>& picture, const MarkerPoseFlags& flags) 
 }
 
 void find_by_marker(const MarkerPoseFlags& flags, Output& output) {
-  const SeenPicture seen = picture_in(flags.input, flags.scan, output);
+  const SeenPicture seen = picture_in(flags.input, flags.changes, output);
   const Image<float>& picture = seen.pictures.mean;
   const SeenMarker marker = marker_in(picture, flags);
   const MarkerPose found = naming(fmt::format("{}: marker {}", flags.input, marker.number), [&] {
@@ -260,9 +256,8 @@ void find_by_marker(const MarkerPoseFlags& flags, Output& output) {
              off.x(), off.y(), off.z());
   output.say("  about its own x {:.3f}, y {:.3f}, z {:.3f} degrees", turn.x(), turn.y(), turn.z());
   output.say("  its x runs right and y down as printed, z away from the camera");
-  output.add("marker", marker.number, "rms_px", found.rms, "translation_deviation_mm",
-             std::array{off.x(), off.y(), off.z()}, "rotation_deviation_degrees",
-             std::array{turn.x(), turn.y(), turn.z()});
+  output.add("marker", marker.number, "rms_px", found.rms, "translation_deviation_mm", off,
+             "rotation_deviation_degrees", turn);
 }
 
 void add_name_flag(const FlagGroup& group, std::string& name) {
@@ -283,7 +278,7 @@ void add_found_frames(const Commands& frame) {
                   "lines of six numbers, mm: x,y,z in the camera's frame, then in the new: .csv");
   add_name_flag(points, by_points.name);
   add_pose_output_flags(points, by_points.output);
-  add_cloud_flags(points.app, by_points.cloud);
+  add_cloud_flags(points.app, by_points.changes, by_points.job);
   points.examples(
       {"frame points plate --pick 240,160 0,0,0 --pick 400,160 126.5,0,0 --pick "
        "240,320 17.1,122.4,0 --name plate -o plate.yaml"});
@@ -297,7 +292,7 @@ void add_found_frames(const Commands& frame) {
              "the camera, the second y, the third the origin");
   add_name_flag(planes, by_planes.name);
   add_pose_output_flags(planes, by_planes.output);
-  add_cloud_flags(planes.app, by_planes.cloud);
+  add_cloud_flags(planes.app, by_planes.changes, by_planes.job);
 
   // 3. slipstream frame board
   const auto [board, by_board] =
@@ -307,7 +302,7 @@ void add_found_frames(const Commands& frame) {
   add_board_flags(board.app, by_board.board);
   add_name_flag(board, by_board.name);
   add_pose_output_flags(board, by_board.output);
-  add_scan_input_flags(board.app, by_board.scan);
+  add_input_flags(board.app, by_board.changes);
   board.examples(
       {"frame board boards/board01 --corners 13x9 --spacing 15 --scanner scanner.yaml "
        "-o board.yaml"});
@@ -322,7 +317,7 @@ void add_found_frames(const Commands& frame) {
                    "36h11, 36h10, 25h9 or 16h5 of AprilTag; 4x4, 5x5, 6x6 or 7x7 of ArUco");
   add_name_flag(marker, by_marker.name);
   add_pose_output_flags(marker, by_marker.output);
-  add_scan_input_flags(marker.app, by_marker.scan);
+  add_input_flags(marker.app, by_marker.changes);
   marker.examples(
       {"frame marker boards/board01 --family 4x4 --number 2 --side 30 --scanner scanner.yaml"});
 }

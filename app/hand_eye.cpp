@@ -127,13 +127,12 @@ nlohmann::json json_of(const std::optional<HandEyeError>& error) {
 }
 
 nlohmann::json document_of(const HandEye& found) {
-  const auto vector = [](const Eigen::Vector3d& of) { return std::array{of.x(), of.y(), of.z()}; };
   const FramePose camera{"camera", carrier_of_camera(found.place), found.poses.camera};
 
   nlohmann::json document = described(
       "from", camera.from, "to", camera.to, "matrix", app::json_of(camera)["matrix_mm"],
-      "translation_deviation_mm", vector(found.translation_deviation), "rotation_deviation_degrees",
-      vector(found.rotation_deviation / degree), "robot_convention",
+      "translation_deviation_mm", found.translation_deviation, "rotation_deviation_degrees",
+      Eigen::Vector3d(found.rotation_deviation / degree), "robot_convention",
       name_of(found.robot, robot_frames), "board_convention", name_of(found.boards, board_frames),
       "mean_error", json_of(found.mean), "mean_left_out", json_of(found.mean_left_out),
       "board_size", found.scale, "board_size_deviation", found.scale_deviation, "findings",

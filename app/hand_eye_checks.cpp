@@ -88,13 +88,6 @@ struct ProjectionFlags {
   std::string scanner, rings;
 };
 
-Eigen::Vector3d tip_of(const TipFlags& flags) {
-  const std::vector<double> tip = numbers_in<double>(flags.tip, ',');
-  throw_if(tip.size() != 3, "--tip '{}': expected x,y,z of the tip in the tool's frame, mm",
-           flags.tip);
-  return {tip[0], tip[1], tip[2]};
-}
-
 /// Camera to base.
 Eigen::Isometry3d camera_in_base(const TipFlags& flags) {
   const ReadHandEye hand_eye = read_hand_eye(flags.hand_eye);
@@ -108,9 +101,8 @@ Eigen::Isometry3d camera_in_base(const TipFlags& flags) {
 void tell_test(const TouchTest& test, const std::string& what, double tolerance, Output& output) {
   for (std::size_t i = 0; i < test.differences.size(); ++i) {
     output.say("point {}: {} {}", i + 1, what, signed_text_of(test.differences[i]));
-    const Eigen::Vector3d& of = test.differences[i];
-    output.list("differences_mm").push_back(std::array{of.x(), of.y(), of.z()});
   }
+  output.add("differences_mm", test.differences);
   const std::string error =
       test.standard_error.allFinite()
           ? fmt::format(", standard error {:.3f} mm", test.standard_error.norm())
@@ -119,9 +111,9 @@ void tell_test(const TouchTest& test, const std::string& what, double tolerance,
 
   const Verdict verdict = verdict_of(test, tolerance);
   output.say("{}", verdict.words);
-  output.add("mean_mm", std::array{test.mean.x(), test.mean.y(), test.mean.z()},
-             "standard_error_mm", test.standard_error.norm(), "rms_mm", test.rms, "largest_mm",
-             test.largest, "grade", verdict.grade, "verdict", verdict.words);
+  output.add("mean_mm", test.mean, "standard_error_mm", test.standard_error.norm(), "rms_mm",
+             test.rms, "largest_mm", test.largest, "grade", verdict.grade, "verdict",
+             verdict.words);
   if (verdict.grade == std::string_view("bad")) output.exit_code = 2;
 }
 
@@ -136,8 +128,8 @@ void test_touch(const TouchFlags& flags, Output& output) {
   std::vector<Eigen::Vector3d> points;
   for (const StoredPoint& point : stored.points) points.emplace_back(point.x, point.y, point.z);
   const auto touched = read_robot_poses(flags.robot.touched, flags.robot.robot);
-  tell_test(touch_test(points, camera, touched, tip_of(flags.robot)), "camera less tip",
-            flags.robot.tolerance, output);
+  tell_test(touch_test(points, camera, touched, place_from(flags.robot.tip, "--tip")),
+            "camera less tip", flags.robot.tolerance, output);
 }
 
 /// A picture for the projector with a ring around each pixel.
@@ -155,9 +147,10 @@ Image<std::uint8_t> rings_around(const PixelPlaces& pixels, Size projector) {
 
 void test_projection(const ProjectionFlags& flags, Output& output) {
   const Eigen::Isometry3d camera = camera_in_base(flags.robot);
+  const Eigen::Vector3d tip = place_from(flags.robot.tip, "--tip");
   std::vector<Eigen::Vector3d> points;
   for (const auto& tool : read_robot_poses(flags.robot.touched, flags.robot.robot)) {
-    points.emplace_back(tool * tip_of(flags.robot));
+    points.emplace_back(tool * tip);
   }
 
   // 1. Light for the eye: rings about the corners, where the robot has them.
@@ -222,16 +215,16 @@ void test_stitching(const StitchFlags& flags, Output& output) {
            : fmt::format("Calibrate again: the views are {:.3f} mm apart.", offset.norm());
   output.say("{}", verdict);
   output.add("points", found.points, "median_mm", found.median, "percentile_95_mm",
-             found.percentile_95, "offset_mm", std::array{offset.x(), offset.y(), offset.z()},
-             "rotation_degrees", found.rotation / degree, "left_median_mm", found.left_median,
-             "grade", good ? "good" : "bad", "verdict", verdict);
+             found.percentile_95, "offset_mm", offset, "rotation_degrees", found.rotation / degree,
+             "left_median_mm", found.left_median, "grade", good ? "good" : "bad", "verdict",
+             verdict);
   if (!good) output.exit_code = 2;
 }
 
-void add_tip_flags(const FlagGroup& command, TipFlags& flags) {
+/// `touched`: help of the robot's poses.
+void add_tip_flags(const FlagGroup& command, TipFlags& flags, const char* touched) {
   required(command.add_file("hand-eye", flags.hand_eye, "pose file of calibrate hand-eye"));
-  required(command.add_file("--touched", flags.touched,
-                            "the robot's poses with the tip on each point, in the same order"));
+  required(command.add_file("--touched", flags.touched, touched));
   required(command.add("--tip", flags.tip, "the tip in the tool's frame, mm: x,y,z"));
   command.add_file("--view", flags.view,
                    "the robot's pose when the points were measured, if the camera is on the tool");
@@ -244,7 +237,8 @@ void add_tip_flags(const FlagGroup& command, TipFlags& flags) {
 void add_calibrate_touch(const Commands& calibrate) {
   const auto [command, flags] = calibrate.add(
       test_touch, "touch", "check a hand-eye pose: a tip on points that the camera measured");
-  add_tip_flags(command, flags.robot);
+  add_tip_flags(command, flags.robot,
+                "the robot's poses with the tip on each point, in the same order");
   required(command.add_file("--points", flags.points,
                             "the points in the camera's frame, mm: .xyz, .csv, .ply, ..."));
   command.examples(
@@ -256,7 +250,8 @@ void add_calibrate_projection(const Commands& calibrate) {
   const auto [command, flags] =
       calibrate.add(test_projection, "projection",
                     "check a hand-eye pose: light on a board's corners, where the robot has them");
-  add_tip_flags(command, flags.robot);
+  add_tip_flags(command, flags.robot,
+                "the robot's poses with the tip on outer corners of the board, in any order");
   required(command.add_file("--boards", flags.boards.folder,
                             "folder with one pose of the board, as for calibrate geometry"));
   required(command.add_file("--scanner", flags.scanner, "scanner file"));

@@ -33,7 +33,8 @@ struct MergeFlags {
   double spacing = 0;
   bool turntable = false;
   std::optional<double> turn_step;  ///< degrees
-  CloudFlags input;
+  ScanChanges changes;
+  ScanJobSettings job;
 };
 
 /// Millimetres of a unit of length.
@@ -101,7 +102,7 @@ std::vector<View> read_views(const MergeFlags& flags, Output& output) {
       move_to_camera(stored.cloud, stored.uncertainty ? &*stored.uncertainty : nullptr);
       scale(stored, unit);
     } else {
-      stored = organised_cloud(path, flags.input, output);
+      stored = organised_cloud(path, flags.changes, flags.job, output);
     }
     views.push_back(naming(path, [&] {
       return view_of(stored.cloud, uncertainty_of(stored), path, colours_of(stored.cloud));
@@ -184,20 +185,12 @@ std::vector<std::optional<Eigen::Isometry3d>> start_poses(const MergeFlags& flag
   return readings.front().poses;
 }
 
-nlohmann::json json_of(const Eigen::Isometry3d& pose) {
-  nlohmann::json rows = nlohmann::json::array();
-  for (int row = 0; row < 4; ++row) {
-    rows.push_back({pose(row, 0), pose(row, 1), pose(row, 2), pose(row, 3)});
-  }
-  return rows;
-}
-
 /// Prints how the views and pairs fit.
 void tell_joint(const MergeFlags& flags, const JointAlignment& joint, Output& output) {
   for (std::size_t i = 0; i < flags.inputs.size(); ++i) {
     nlohmann::json view = described("view", flags.inputs[i], "joined", joint.poses[i].has_value());
     if (joint.poses[i]) {
-      view["pose"] = json_of(*joint.poses[i]);
+      view["pose"] = app::json_of(*joint.poses[i]);
     } else {
       view["reason"] = joint.reasons[i];
     }
@@ -248,7 +241,7 @@ void refuse_left_out(const MergeFlags& flags, const JointAlignment& joint, Outpu
 
   const bool enough = joint.joined() >= 2;
   throw_if(!enough, "{}", text);
-  throw_if(!flags.input.anyway, "{}; --anyway merges the other {} views", text, joint.joined());
+  throw_if(!flags.job.keep_refused, "{}; --anyway merges the other {} views", text, joint.joined());
   output.warn(text);
 }
 
@@ -301,7 +294,7 @@ void settle_on_turntable(const MergeFlags& flags, const std::vector<PreparedView
 /// The wanted frame, in which the first joined view's camera has the given pose; null: the model
 /// stays in that camera's frame.
 std::shared_ptr<const FramePose> frame_of_model(const MergeFlags& flags) {
-  const auto& wanted = wanted_frame(flags.input.settings);
+  const auto& wanted = wanted_frame(flags.job.reconstruct);
   if (wanted == nullptr) return nullptr;
   return std::make_shared<const FramePose>(pose_from_frame(*wanted, camera_frame));
 }
@@ -428,7 +421,7 @@ void add_merge(const Commands& program) {
       .add("--turn-step", flags.turn_step, "with --turntable: degrees from view to view, if known")
       ->needs("--turntable");
 
-  add_cloud_flags(command.app, flags.input);
+  add_cloud_flags(command.app, flags.changes, flags.job);
   command.app.get_option("--anyway")
       ->description(
           "merge the other views if some do not join, and continue with scans that the "

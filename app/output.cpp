@@ -136,8 +136,8 @@ void Progress::show() {
   if (terminal_ && total_ > 1 && now - drawn_at_ > std::chrono::milliseconds(100)) draw();
 
   // Elsewhere one line, once it is known to take long.
-  if (!terminal_ && !told_ && done_ < total_ && now - start_ > std::chrono::seconds(1)) {
-    told_ = true;
+  if (!terminal_ && !reported_ && done_ < total_ && now - start_ > std::chrono::seconds(1)) {
+    reported_ = true;
     fmt::print(stderr, "{}: {} % done\n", label_, 100 * done_ / total_);
   }
 }
@@ -179,10 +179,15 @@ void refuse_or_warn(const CheckedScan& checked, const std::string& scan, bool an
     require_right(checked, scan);
   }
 
-  for (const Finding& finding : checked.findings) {
-    output.warn(fmt::format("{}: {}", scan, text_of(finding)));
-  }
+  warn_of_findings(checked.findings, 0, scan, output);
   for (const std::string& repair : checked.repairs) output.say("{}: {}", scan, repair);
+}
+
+void warn_of_findings(const std::vector<Finding>& findings, std::size_t first,
+                      const std::string& scan, Output& output) {
+  for (std::size_t i = first; i < findings.size(); ++i) {
+    output.warn(fmt::format("{}: {}", scan, text_of(findings[i])));
+  }
 }
 
 std::vector<std::string> remarks_about(const std::vector<Finding>& findings) {
@@ -210,12 +215,16 @@ void tell_news(const std::vector<LiveFinding>& findings, std::vector<LiveFinding
   printed = findings;
 }
 
-nlohmann::json json_of(const FramePose& pose) {
+nlohmann::json json_of(const Eigen::Isometry3d& pose) {
   nlohmann::json rows = nlohmann::json::array();
-  for (const auto& row : pose.transform.matrix().rowwise()) {
+  for (const auto& row : pose.matrix().rowwise()) {
     rows.push_back(std::vector<double>(row.begin(), row.end()));
   }
-  return described("from", pose.from, "to", pose.to, "matrix_mm", rows);
+  return rows;
+}
+
+nlohmann::json json_of(const FramePose& pose) {
+  return described("from", pose.from, "to", pose.to, "matrix_mm", json_of(pose.transform));
 }
 
 bool tell_fallback(const std::string& reason, bool matters, Output& output) {

@@ -63,7 +63,7 @@ nlohmann::json as_json(const Value& value) {
     });
     return named;
   } else if constexpr (requires { value.begin()->first; }) {
-    for (const auto& [name, of] : value) named[name] = as_json(of);
+    for (const auto& [name, item] : value) named[name] = as_json(item);
     return named;
   } else if constexpr (requires { value.has_value(); }) {
     return value ? as_json(*value) : nlohmann::json();
@@ -104,7 +104,10 @@ nlohmann::json as_json(const Values& values, const Describe& describe) {
   return list;
 }
 
-/// A pose: `from`, `to`, and `matrix_mm`, four rows of four.
+/// Four rows of four.
+nlohmann::json json_of(const Eigen::Isometry3d& pose);
+
+/// A pose: `from`, `to`, and `matrix_mm`.
 nlohmann::json json_of(const FramePose& pose);
 
 /// A text as a part of a line: printable; other values as they are.
@@ -256,7 +259,7 @@ class Progress {
   std::string label_;
   std::int64_t total_, done_ = 0, done_before_ = 0;
   bool terminal_ = ::isatty(STDERR_FILENO) == 1;
-  bool drawn_ = false, told_ = false;
+  bool drawn_ = false, reported_ = false;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), drawn_at_;
 };
 
@@ -267,6 +270,10 @@ std::function<void(double)> progress_of(std::string label);
 /// first, if the scan is refused; with `anyway` prints them as warnings instead.
 void refuse_or_warn(const CheckedScan& checked, const std::string& scan, bool anyway,
                     Output& output);
+
+/// Prints findings of a scan as warnings, from the `first` on; those before it are printed already.
+void warn_of_findings(const std::vector<Finding>& findings, std::size_t first,
+                      const std::string& scan, Output& output);
 
 /// doubts with the program's flags: header lines of a cloud file.
 std::vector<std::string> remarks_about(const std::vector<Finding>& findings);

@@ -100,28 +100,32 @@ std::string methods() {
 struct CalibrateHeightFlags {
   std::vector<std::string> planes;
   std::string heights, output;
-  CloudFlags phase;
+  ScanChanges changes;
+  ScanJobSettings job;
 };
 
 struct HeightFlags {
   std::string scan, calibration, output, preview;
-  CloudFlags phase;
+  ScanChanges changes;
+  ScanJobSettings job;
 };
 
-void add_phase_flags(CLI::App& command, CloudFlags& flags) {
-  add_anyway_flag(command, flags.anyway);
-  FlagGroup{command}.add("--minimum-modulation", flags.settings.minimum_modulation,
+void add_phase_flags(CLI::App& command, ScanChanges& changes, ScanJobSettings& job) {
+  job.output = ScanOutput::maps;
+  add_anyway_flag(command, job.keep_refused);
+  FlagGroup{command}.add("--minimum-modulation", job.reconstruct.minimum_modulation,
                          "minimum modulation of a valid pixel, grey levels of 255");
-  add_scan_input_flags(command, flags);
+  add_scan_input_flags(command, changes, job);
 }
 
 /// A scan's projector coordinate, NaN where invalid; a phase map unchanged.
-Image<double> measured_phase(const std::string& path, const CloudFlags& flags, Output& output) {
+Image<double> measured_phase(const std::string& path, const ScanChanges& changes,
+                             const ScanJobSettings& settings, Output& output) {
   const std::string ending = lower_case_extension(path);
   if (ending == ".npy" || ending == ".tiff" || ending == ".tif") return read_map(path);
 
-  const CheckedJob job = checked_scan(load_checkable(path, flags, false, output), path,
-                                      job_settings(flags, ScanOutput::maps), output);
+  const CheckedJob job =
+      checked_scan(load_checkable(path, changes, false, output), path, settings, output);
   Engine engine(job.setup);
   return measured_coordinates(engine, job.scan.frames);
 }
@@ -137,7 +141,7 @@ void calibrate_height(const CalibrateHeightFlags& flags, Output& output) {
   std::vector<PlanePhase> planes;
   Progress progress("planes", known.size());
   for (std::size_t i = 0; i < known.size(); ++i) {
-    planes.push_back({known[i], measured_phase(flags.planes[i], flags.phase, output)});
+    planes.push_back({known[i], measured_phase(flags.planes[i], flags.changes, flags.job, output)});
     progress.advance();
   }
   progress.finish();
@@ -160,7 +164,7 @@ void measure_heights(const HeightFlags& flags, Output& output) {
   if (!flags.preview.empty()) require_ending(flags.preview, "preview", {".png"});
 
   const Image<HeightCurve> curves = read_height_curves(flags.calibration);
-  const Image<double> phase = measured_phase(flags.scan, flags.phase, output);
+  const Image<double> phase = measured_phase(flags.scan, flags.changes, flags.job, output);
 
   const Image<float> found = heights(curves, phase);
   const std::size_t measured = finite_values(phase).size();
@@ -198,7 +202,7 @@ void add_calibrate_height(const Commands& calibrate) {
                        "height of each plane over the reference, mm, e.g. 0,10,20"));
   required(command.add_output("-o,--output", flags.output, "calibration file: .npy"));
 
-  add_phase_flags(command.app, flags.phase);
+  add_phase_flags(command.app, flags.changes, flags.job);
   command.common({"--heights", "--output", "--strategy", "--steps", "--high", "--low",
                   "--minimum-modulation"});
   command.examples({"calibrate height plane_0 plane_10 plane_20 --heights 0,10,20 -o heights.npy"});
@@ -216,7 +220,7 @@ void add_height(const Commands& program) {
   required(command.add_output("-o,--output", flags.output, "height map, mm: .tiff or .npy"));
 
   command.add_output("--preview", flags.preview, "coloured height map: .png");
-  add_phase_flags(command.app, flags.phase);
+  add_phase_flags(command.app, flags.changes, flags.job);
 
   command.common({"--calibration", "--output", "--preview", "--strategy", "--steps", "--high",
                   "--low", "--minimum-modulation"});

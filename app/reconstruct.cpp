@@ -56,8 +56,9 @@ void require_uncertainty_possible(const EngineSetup& setup, bool two_cameras, Ou
 }
 
 /// Writes the cloud of several cameras, and its surface.
-void write_model_files(const ResultFiles& files, const FusedModel& model) {
-  if (!files.cloud.empty()) write_model(files.cloud, model);
+void write_model_files(const ResultFiles& files, const FusedModel& model,
+                       const std::vector<std::string>& remarks) {
+  if (!files.cloud.empty()) write_model(files.cloud, model, remarks);
   if (!files.mesh.empty()) write_surface(files.mesh, surface_of(mesh_of(model)));
 }
 
@@ -68,10 +69,11 @@ void write_files(const ReconstructFlags& flags, const ReconstructedScan& scan) {
 
   ResultFiles maps = scan.files;
   maps.cloud.clear();
-  const std::shared_ptr<const FramePose>& frame = wanted_frame(flags.cloud.settings);
+  const std::shared_ptr<const FramePose>& frame = wanted_frame(flags.job.reconstruct);
   if (scan.fused) maps.mesh.clear();
   write_results(maps, result.cloud, result.maps, {.frame = frame});
-  if (scan.fused) return write_model_files(scan.files, *scan.fused);
+  const std::vector<std::string> remarks = remarks_about(result.checked.findings);
+  if (scan.fused) return write_model_files(scan.files, *scan.fused, remarks);
 
   // The points that remain on a coarser grid.
   std::optional<Normals> normals;
@@ -90,17 +92,13 @@ void write_files(const ReconstructFlags& flags, const ReconstructedScan& scan) {
   write_results({.cloud = scan.files.cloud}, coarse ? *coarse : result.cloud, {},
                 {.normals = normals ? &*normals : nullptr,
                  .uncertainty = uncertainty ? &*uncertainty : nullptr,
-                 .remarks = remarks_about(result.checked.findings),
+                 .remarks = remarks,
                  .frame = frame});
 }
 
 /// Warns of the findings after the first `printed` ones, and compares the points with the truth.
 void judge(const ReconstructFlags& flags, std::size_t printed, ReconstructedScan& scan) {
-  const std::vector<Finding>& findings = scan.result.checked.findings;
-  for (std::size_t i = printed; i < findings.size(); ++i) {
-    scan.words.warn(fmt::format("{}: {}", text_of(scan.name), text_of(findings[i])));
-  }
-
+  warn_of_findings(scan.result.checked.findings, printed, text_of(scan.name), scan.held);
   scan.files = files_of_scan(flags.files, scan.name);
   if (scan.output == ScanOutput::points) {
     scan.rms = error_against_truth(scan.name.path, scan.result.cloud);
@@ -121,15 +119,18 @@ std::optional<PredictedRms> predicted_error(const FrameViews& frames, ScanJob& j
 
 /// State passed from one scan to the next.
 struct Reused {
-  /// A job for each kind of result, and for each of several cameras that are fused: their numbers
-  /// from 1, else 0.
+  /// A job for each kind of result and camera: 0 if cameras are not fused, else the camera's number
+  /// from 1.
   std::map<std::pair<ScanOutput, std::size_t>, ScanJob> jobs;
   bool fallback_printed = false;
   bool unguarded_printed = false;
 
   ScanJob& job_of(const LoadedScan& loaded, std::size_t camera, const ReconstructFlags& flags) {
     const ScanOutput output = loaded.scan.output;
-    ScanJobSettings settings = job_settings(flags, output);
+    ScanJobSettings settings = flags.job;
+    settings.output = output;
+
+    // Points are weighted by their noise. Those of matched cameras get theirs when they are fused.
     if (loaded.fuses) settings.uncertainty = !loaded.further.empty();
     return jobs.try_emplace({output, loaded.fuses ? camera : 0}, settings).first->second;
   }
@@ -161,21 +162,21 @@ void fuse_cameras(LoadedScan& loaded, const ReconstructFlags& flags, Reused& reu
     const std::string name = fmt::format("{}, camera {}", text_of(scan.name), i + 2);
     cameras.push_back(reused.job_of(loaded, i + 2, flags)(checked, name));
 
-    // The check's own findings were printed.
     std::vector<Finding> findings = cameras.back().checked.findings;
-    for (std::size_t k = 0; k < findings.size(); ++k) {
-      findings[k].subject = fmt::format("camera {}", i + 2);
-      if (k >= checked.checked.findings.size()) {
-        scan.words.warn(fmt::format("{}: {}", text_of(scan.name), text_of(findings[k])));
-      }
+    for (Finding& finding : findings) {
+      std::string& subject = finding.subject;
+      subject = fmt::format("camera {}{}{}", i + 2, subject.empty() ? "" : ", ", subject);
     }
+    warn_of_findings(findings, checked.checked.findings.size(), text_of(scan.name), scan.held);
     std::ranges::move(findings, std::back_inserter(scan.result.checked.findings));
+    std::ranges::move(cameras.back().checked.repairs,
+                      std::back_inserter(scan.result.checked.repairs));
   }
 
   for (const ScanResult& camera : cameras) {
     scan.points_of_cameras.push_back(count_by_validity(camera.cloud).front());
   }
-  const auto& wanted = wanted_frame(flags.cloud.settings);
+  const auto& wanted = wanted_frame(flags.job.reconstruct);
   scan.fused = fused_cameras(
       cameras,
       wanted ? std::make_shared<const FramePose>(pose_from_frame(*wanted, camera_frame)) : nullptr);
@@ -188,7 +189,7 @@ void require_possible(const ReconstructFlags& flags, const LoadedScan& loaded, b
   const bool has_other_axis = !job.scan.other_axis.empty();
   throw_if(loaded.fuses && flags.subsample > 1,
            "--subsample needs one camera; the points of several have no rows and columns");
-  if (flags.uncertainty || loaded.fuses) {
+  if (flags.job.uncertainty || loaded.fuses) {
     const bool matches = two_cameras && job.scan.scanner && !loaded.fuses;
     require_uncertainty_possible(job.setup, matches, output);
   }
@@ -198,16 +199,19 @@ void require_possible(const ReconstructFlags& flags, const LoadedScan& loaded, b
   const Band& band = measuring_band(job.setup.sequence.strategy.layout());
   throw_if(!flags.files.motion.empty() && (two_cameras || !MotionMeasurement::is_possible(band)),
            "--motion-map needs one camera and extra frames: --motion 2");
-  throw_if(!flags.files.reflection.empty() &&
-               (two_cameras || !rejects_reflection(job.setup.settings.clean)),
-           "--reflection-map needs one camera, and --reflection or --local-reflection");
+
+  const bool rejects = rejects_reflection(job.setup.settings.clean);
+  throw_if(rejects && two_cameras,
+           "--reflection and --local-reflection need one camera, or cameras that are fused");
+  throw_if(!flags.files.reflection.empty() && !rejects,
+           "--reflection-map needs --reflection or --local-reflection");
 }
 
 void reconstruct_scan(LoadedScan& loaded, const ReconstructFlags& flags, Reused& reused) {
   const CheckedJob& checked = loaded.job;
   ReconstructedScan& scan = loaded.scan;
   const std::string name = text_of(scan.name);
-  Output& output = scan.words;
+  Output& output = scan.held;
   const bool two_cameras =
       !checked.scan.further_cameras.empty() && scan.output == ScanOutput::points;
   require_possible(flags, loaded, two_cameras, output);
@@ -216,7 +220,7 @@ void reconstruct_scan(LoadedScan& loaded, const ReconstructFlags& flags, Reused&
   ScanJob& job = reused.job_of(loaded, 1, flags);
   scan.result = job(checked, name);
   const ScanResult& result = scan.result;
-  const double minimum = flags.cloud.settings.minimum_modulation;
+  const double minimum = flags.job.reconstruct.minimum_modulation;
   if (result.least_modulation > minimum) {
     output.say(
         "{}: minimum modulation is {:.1f} instead of {:.1f}: below it noise hides the fringe order",
@@ -240,9 +244,12 @@ void reconstruct_scan(LoadedScan& loaded, const ReconstructFlags& flags, Reused&
 void reconstruct_map_file(LoadedScan& loaded, const ReconstructFlags& flags) {
   ReconstructedScan& scan = loaded.scan;
   const std::size_t printed = loaded.job.checked.findings.size();
+  throw_if(rejects_reflection(loaded.job.setup.settings.clean),
+           "--reflection and --local-reflection need frames, not a map");
+
   scan.result =
       reconstruct_map(loaded.coordinates, loaded.job.setup, loaded.modulation, loaded.job.checked);
-  if (!flags.cloud.anyway) require_right(scan.result.checked, text_of(scan.name), printed);
+  if (!flags.job.keep_refused) require_right(scan.result.checked, text_of(scan.name), printed);
   judge(flags, printed, scan);
 }
 
@@ -257,7 +264,7 @@ ReconstructedScan reconstructed(LoadedScan loaded, const ReconstructFlags& flags
       reconstruct_map_file(loaded, flags);
     }
   } catch (const RefusedScan& refused) {
-    scan.words.document["findings"] = refused.findings();
+    scan.held.document["findings"] = refused.findings();
     scan.failure = with_flags(refused.what());
   } catch (const Error& error) {
     scan.failure = with_flags(error.what());
@@ -280,7 +287,7 @@ ReconstructedScan written(ReconstructedScan scan, const ReconstructFlags& flags)
 
 /// A failure ends the program if it is the only scan.
 void tell(const ReconstructedScan& scan, bool only_one, Output& output) {
-  output.release(scan.words);
+  output.release(scan.held);
 
   if (scan.failure.empty()) {
     if (output.is_json()) output.list("scans").push_back(document_of(scan));
@@ -288,13 +295,13 @@ void tell(const ReconstructedScan& scan, bool only_one, Output& output) {
   }
 
   if (only_one) {
-    output.document.update(scan.words.document);  // the diagnostics that refused it
+    output.document.update(scan.held.document);  // the diagnostics that refused it
     throw Error(scan.failure);
   }
 
   // One of several scans: the others go on, and the exit code says that one has failed.
   nlohmann::json failed = described("scan", text_of(scan.name), "error", scan.failure);
-  failed.update(scan.words.document);
+  failed.update(scan.held.document);
   output.list("scans").push_back(std::move(failed));
   output.tell_failure(scan.failure);
   output.exit_code = 2;
@@ -338,10 +345,10 @@ void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output
   };
 
   // Three stages overlap: scan i is reconstructed, later ones are read, earlier ones written.
-  for (std::size_t i = 0, asked = 0; i < count; ++i) {
-    for (; asked < std::min(i + threads, count); ++asked) {
+  for (std::size_t i = 0, started = 0; i < count; ++i) {
+    for (; started < std::min(i + threads, count); ++started) {
       loading.push_back(std::async(start, [&flags, &output, &opened, log,
-                                           &name = flags.scans[asked]] {
+                                           &name = flags.scans[started]] {
         return loaded_scan(name, flags, log != nullptr ? &log->before : nullptr, opened, output);
       }));
     }
@@ -361,8 +368,8 @@ void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output
   if (done_before > 0) output.say("{} of {} scans were already done", done_before, count);
 }
 
-void reconstruct(const ReconstructFlags& given, Output& output) {
-  ReconstructFlags flags = given;
+void reconstruct(const ReconstructFlags& parsed, Output& output) {
+  ReconstructFlags flags = parsed;
   flags.scans = scan_names(listed_scans(flags), flags.every);
   flags.settings = arguments_of(*flags.command, Arguments::settings);
   reconstruct_scans(std::move(flags), output);
@@ -373,6 +380,8 @@ void reconstruct(const ReconstructFlags& given, Output& output) {
 void reconstruct_scans(ReconstructFlags flags, Output& output) {
   require_writable(flags.files, flags.scans);
   require_valid(flags);
+  flags.job.maps = flags.files.any_map();
+  flags.job.sure_coordinates = !flags.files.coordinate.empty();
   keep_memory();
 
   output.document["scans"] = nlohmann::json::array();

@@ -44,7 +44,7 @@ void add_output_flags(CLI::App& command, ReconstructFlags& flags) {
   // The points of the cloud: how many, and with which values.
   group.add("--subsample", flags.subsample, "keep every Nth pixel of the cloud: 1, 2 or 4");
   group.add("--normals", flags.normals, "add surface normals to the cloud, from 5x5 pixels");
-  group.add("--uncertainty", flags.uncertainty,
+  group.add("--uncertainty", flags.job.uncertainty,
             "add each point's standard deviation to the cloud, from the frames' noise");
 }
 
@@ -79,17 +79,17 @@ void add_reconstruct_flags(CLI::App& subcommand, ReconstructFlags& flags) {
   flags.command = &subcommand;
 
   command.add("--every", flags.every, "keep every Nth window");
-  ReconstructSettings& settings = flags.cloud.settings;
+  ReconstructSettings& settings = flags.job.reconstruct;
   add_backend_flag(command, settings);
 
   command.add_named(
       "--cue-rule", settings.cue_rule, cue_rule_named, name_of(settings.cue_rule),
       "how a cue in the same frames gives the fringe order: consensus, likelihood or published");
 
-  command.add_file("--second-camera", flags.cloud.further_cameras,
+  command.add_file("--second-camera", flags.changes.further_cameras,
                    "scan folder or recording of a second camera, and given again of a third and "
                    "so on; default: the scan's own");
-  command.add_file("--second-scanner", flags.cloud.further_scanners,
+  command.add_file("--second-scanner", flags.changes.further_scanners,
                    "scanner file of the second camera with the same projector, and given again of "
                    "the third and so on; default: their own");
 
@@ -97,11 +97,11 @@ void add_reconstruct_flags(CLI::App& subcommand, ReconstructFlags& flags) {
   command.add("--fuse", flags.fuse,
               "two cameras: instead of matching their phases, fuse the points that each measures "
               "with the projector; three or more cameras always do");
-  command.add("--match-window", flags.match_window,
+  command.add("--match-window", flags.job.match_window,
               "two cameras: half-width of the matching window, pixels");
 
   add_output_flags(subcommand, flags);
-  add_cloud_flags(subcommand, flags.cloud);
+  add_cloud_flags(subcommand, flags.changes, flags.job);
 }
 
 std::vector<ListedScans> listed_scans(const ReconstructFlags& flags) {
@@ -131,7 +131,7 @@ std::vector<ListedScans> listed_scans(const ReconstructFlags& flags) {
     }
     const bool known =
         listed.cost > 0 && listed.windows && listed.windows->end != WindowRange::last;
-    if (listed.windows && !known) set_end(listed, flags.cloud);
+    if (listed.windows && !known) set_end(listed, flags.changes);
   }
 
   return scans;
@@ -160,7 +160,7 @@ std::vector<std::string> arguments_of(const CLI::App& subcommand, Arguments want
 }
 
 void require_valid(const ReconstructFlags& flags) {
-  require_valid(flags.cloud.settings.clean);
+  require_valid(flags.job.reconstruct.clean);
   const int every = flags.subsample;
   require_in_range(every == 1 || every == 2 || every == 4, "--subsample", every, "1, 2 or 4");
 }

@@ -14,13 +14,12 @@ struct ReconstructFlags {
   std::vector<std::string> paths;
   std::optional<std::string> windows;
   std::uint64_t every = 1;
-  CloudFlags cloud;
+  ScanChanges changes;  ///< how the scans are read
+  ScanJobSettings job;  ///< of all scans; a single one may give only maps
 
   bool one_camera = false, fuse = false;
-  int match_window = ScanJobSettings{}.match_window;
   int subsample = 1;
   bool normals = false;
-  bool uncertainty = false;
 
   ResultFiles files;
   std::string manifest;  ///< output file; empty: not written

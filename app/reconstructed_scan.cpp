@@ -36,7 +36,7 @@ nlohmann::json json_of(const GammaChoice& choice) {
   return document;
 }
 
-/// Name in JSON, words and seconds of each step.
+/// Name in JSON, label and seconds of each step.
 std::array<std::tuple<const char*, const char*, double>, 6> times_of(
     const ReconstructedScan& scan) {
   return {{{"read", "ms to read", scan.read},
@@ -50,7 +50,7 @@ std::array<std::tuple<const char*, const char*, double>, 6> times_of(
 /// The form of the maps: the patterns' origin and direction are of their values.
 MapForm map_form_in(const ReconstructFlags& flags) {
   MapForm form = map_form_named(flags.from);
-  const auto& settings = flags.cloud.sequence.settings;
+  const auto& settings = flags.changes.sequence.settings;
 
   const auto origin = settings.find("origin"), backwards = settings.find("backwards");
   if (origin != settings.end() && origin->second) {
@@ -64,19 +64,19 @@ MapForm map_form_in(const ReconstructFlags& flags) {
 
 /// The setup for maps of that size.
 EngineSetup setup_for_map(const ReconstructFlags& flags, Size size) {
-  const ScanFlags& given = flags.cloud;
-  throw_if(!given.scanner, "--from needs the scanner's file: --scanner");
+  const std::optional<fs::path>& scanner = flags.changes.scanner;
+  throw_if(!scanner, "--from needs the scanner's file: --scanner");
 
   // No strategy made the map.
-  SequenceChanges changes = given.sequence;
+  SequenceChanges changes = flags.changes.sequence;
   changes.settings.erase("origin");
   changes.settings.erase("backwards");
 
   EngineSetup setup;
   setup.sequence = changed({}, changes);
-  setup.settings = flags.cloud.settings;
-  setup.scanner = completed(read_scanner(*given.scanner), given.scanner->string(), size,
-                            setup.sequence.projector);
+  setup.settings = flags.job.reconstruct;
+  setup.scanner =
+      completed(read_scanner(*scanner), scanner->string(), size, setup.sequence.projector);
   return setup;
 }
 
@@ -114,24 +114,24 @@ void load_map(const ReconstructFlags& flags, LoadedScan& loaded) {
   CheckedScan& checked = loaded.job.checked;
   checked = check_map(lit_coordinates(loaded), form, setup.scanner, setup.sequence.axis);
   checked.findings.insert(checked.findings.begin(), shared.begin(), shared.end());
-  refuse_or_warn(checked, text_of(loaded.scan.name), flags.cloud.anyway, loaded.scan.words);
+  refuse_or_warn(checked, text_of(loaded.scan.name), flags.job.keep_refused, loaded.scan.held);
 }
 
 /// Reads the scan, and chooses its kind of result.
-Scan read_scan(const ScanFlags& input, const ReconstructFlags& flags, ReconstructedScan& result) {
+Scan read_scan(const ScanChanges& input, const ReconstructFlags& flags, ReconstructedScan& result) {
   const std::string& path = result.name.path;
-  Scan scan = load_checkable(path, input, !flags.one_camera, result.words);
+  Scan scan = load_checkable(path, input, !flags.one_camera, result.held);
   throw_if(!input.further_scanners.empty() && scan.further_cameras.empty(),
            "{}: --second-scanner needs pictures of a second camera; name them with "
            "--second-camera",
            path);
 
-  const bool only_maps = flags.files.only_maps() && !flags.uncertainty;
+  const bool only_maps = flags.files.only_maps() && !flags.job.uncertainty;
 
   // Without a scanner a preview shows maps, and a scan without outputs is measured.
   const bool has_pair = scan.camera_pair && !scan.further_cameras.empty();
   const bool is_alone = !scan.scanner && !has_pair;
-  const bool wants_points = flags.files.need_points() || flags.uncertainty;
+  const bool wants_points = flags.files.need_points() || flags.job.uncertainty;
 
   // Without a fringe order the frames give a phase, but no points.
   const bool only_phase = flags.files.coordinate.empty() && scan.further_cameras.empty() &&
@@ -147,7 +147,8 @@ Scan read_scan(const ScanFlags& input, const ReconstructFlags& flags, Reconstruc
 void check_cameras(Scan scan, const ReconstructFlags& flags, LoadedScan& loaded) {
   ReconstructedScan& result = loaded.scan;
   const std::string name = text_of(result.name);
-  ScanJobSettings settings = job_settings(flags, result.output);
+  ScanJobSettings settings = flags.job;
+  settings.output = result.output;
 
   // 1. Three or more cameras are always fused.
   const std::size_t further = scan.further_cameras.size();
@@ -164,42 +165,33 @@ void check_cameras(Scan scan, const ReconstructFlags& flags, LoadedScan& loaded)
     scans.push_back(std::move(scan));
   }
 
-  loaded.job = checked_scan(std::move(scans.front()), name, settings, result.words);
+  loaded.job = checked_scan(std::move(scans.front()), name, settings, result.held);
   for (std::size_t i = 1; i < scans.size(); ++i) {
     const std::string camera = fmt::format("{}, camera {}", name, i + 1);
     throw_if(!scans[i].scanner, "{}: its scanner is unknown; name its file with --second-scanner",
              camera);
     settings.reconstruct =
-        settings_for(*scans[i].scanner, loaded.job.setup.scanner, flags.cloud.settings);
-    loaded.further.push_back(checked_scan(std::move(scans[i]), camera, settings, result.words));
+        settings_for(*scans[i].scanner, loaded.job.setup.scanner, flags.job.reconstruct);
+    loaded.further.push_back(checked_scan(std::move(scans[i]), camera, settings, result.held));
   }
 }
 
 }  // namespace
-
-ScanJobSettings job_settings(const ReconstructFlags& flags, ScanOutput output) {
-  ScanJobSettings settings = job_settings(flags.cloud, output);
-  settings.maps = flags.files.any_map();
-  settings.uncertainty = flags.uncertainty;
-  settings.sure_coordinates = !flags.files.coordinate.empty();
-  settings.match_window = flags.match_window;
-  return settings;
-}
 
 LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, const Manifest* before,
                        OpenedRecording& opened, const Output& output) {
   LoadedScan loaded;
   ReconstructedScan& result = loaded.scan;
   result.name = name;
-  result.words = output.held();
+  result.held = output.held();
   result.entry = entry_for(name, flags.settings);
-  const std::shared_ptr<const FramePose>& frame = wanted_frame(flags.cloud.settings);
+  const std::shared_ptr<const FramePose>& frame = wanted_frame(flags.job.reconstruct);
   if (frame) result.entry["frame"] = text_of(*frame);
 
   Stopwatch watch;
   try {
     // The window and the open recording of this scan.
-    ScanFlags input = flags.cloud;
+    ScanChanges input = flags.changes;
     input.window = name.window;
     input.recording = opened.at(name.path);
     if (input.window && !input.recording) input.folder = opened.folder_at(name.path);
@@ -225,7 +217,7 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
     const bool has_pair = !scan.scanner && scan.camera_pair;
     check_cameras(std::move(scan), flags, loaded);
     if (has_pair && result.output == ScanOutput::points) {
-      result.words.say(
+      result.held.say(
           "{}: two cameras, no projector: the calibration is not checked with the frames",
           text_of(name));
     }
@@ -242,7 +234,7 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
 nlohmann::json document_of(const ReconstructedScan& scan) {
   const ScanResult& result = scan.result;
   nlohmann::json seconds;
-  for (const auto& [name, words, time] : times_of(scan)) seconds[name] = time;
+  for (const auto& [name, label, time] : times_of(scan)) seconds[name] = time;
 
   const auto prediction = [&](double PredictedRms::*part) {
     return scan.predicted ? std::optional((*scan.predicted).*part) : std::nullopt;
@@ -277,7 +269,7 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
 std::string line_of(const ReconstructedScan& scan) {
   nlohmann::json entry = scan.entry;
   double seconds = 0;
-  for (const auto& [name, words, time] : times_of(scan)) seconds += time;
+  for (const auto& [name, label, time] : times_of(scan)) seconds += time;
   entry["seconds"] = seconds;
   scan.failure.empty() ? entry["counts"] = as_json(scan.result.counts)
                        : entry["error"] = scan.failure;
@@ -342,8 +334,8 @@ void tell(const ReconstructedScan& scan, Output& output) {
 
   // Time of each step, and the files.
   std::vector<std::string> times;
-  for (const auto& [name, words, seconds] : times_of(scan)) {
-    times.push_back(fmt::format("{:.0f} {}", 1e3 * seconds, words));
+  for (const auto& [name, label, seconds] : times_of(scan)) {
+    times.push_back(fmt::format("{:.0f} {}", 1e3 * seconds, label));
   }
   output.say("  time: {}", fmt::join(times, ", "));
   for (const auto& [name, path] : scan.files.named()) output.say("  {}: {}", name, path);

@@ -15,7 +15,7 @@ namespace slipstream::app {
 struct ReconstructedScan {
   ScanName name;
   std::string failure;  ///< reason if it failed, or empty
-  Output words{false};  ///< its lines, held until its turn
+  Output held{false};   ///< its lines, held until its turn
   ScanOutput output = ScanOutput::points;
   ScanResult result;
   std::vector<std::string> warnings;        ///< from reading the frames
@@ -41,9 +41,6 @@ struct LoadedScan {
   Image<float> modulation;    ///< of a map, if given
   ReconstructedScan scan;
 };
-
-/// The job of these scans; single scans may give less: see ReconstructedScan::output.
-ScanJobSettings job_settings(const ReconstructFlags& flags, ScanOutput output);
 
 /// Reads and checks a scan, or a map. Does nothing if `before` lists the scan as done. An invalid
 /// scan, or one of several that cannot be read, is reported as its result's failure.

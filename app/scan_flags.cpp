@@ -147,23 +147,27 @@ void add_grey_patch_flag(const FlagGroup& group, ScanChanges& changes) {
             "width x height + x + y; default: the scanner's white balance");
 }
 
-void add_scan_input_flags(CLI::App& subcommand, ScanFlags& flags) {
+void add_scan_input_flags(CLI::App& subcommand, ScanChanges& changes, ScanJobSettings& job) {
   const FlagGroup options{subcommand};
-  options.add_file("--scanner", flags.scanner, "scanner file; default: the scan's own");
-  options.add_settings(flags.photometry);
-
-  options.add("--gamma", flags.gamma,
+  options.add_settings(job.photometry);
+  options.add("--gamma", job.gamma,
               "response correction: scanner (from its file, if present), blind (from the frames), "
               "none, or a gamma");
+  add_input_flags(subcommand, changes);
+}
 
-  options.add("--camera-bits", flags.bits, "bit depth of the camera, if below 16 in 16-bit files");
-  add_grey_patch_flag(options, flags);
-  options.add("--camera-region", flags.camera_region,
+void add_input_flags(CLI::App& subcommand, ScanChanges& changes) {
+  const FlagGroup options{subcommand};
+  options.add_file("--scanner", changes.scanner, "scanner file; default: the scan's own");
+  options.add("--camera-bits", changes.bits,
+              "bit depth of the camera, if below 16 in 16-bit files");
+  add_grey_patch_flag(options, changes);
+  options.add("--camera-region", changes.camera_region,
               "part of the calibrated picture that the frames show, width x height + x + y, "
               "if the camera's region was set or the pictures were cropped since; frames of "
               "a half or a third of that size are taken for binned ones");
 
-  add_scan_flags(subcommand, flags);
+  add_scan_flags(subcommand, changes);
 }
 
 void add_backend_flag(const FlagGroup& group, ReconstructSettings& settings) {
@@ -217,12 +221,12 @@ void add_frame_flag(CLI::App& subcommand, ReconstructSettings& settings) {
       ->type_name(file_type);
 }
 
-void add_cloud_flags(CLI::App& subcommand, CloudFlags& flags) {
-  add_anyway_flag(subcommand, flags.anyway);
-  FlagGroup{subcommand, "Valid pixels"}.add_settings(flags.settings);
-  add_clean_flags(subcommand, flags.settings);
-  add_frame_flag(subcommand, flags.settings);
-  add_scan_input_flags(subcommand, flags);
+void add_cloud_flags(CLI::App& subcommand, ScanChanges& changes, ScanJobSettings& job) {
+  add_anyway_flag(subcommand, job.keep_refused);
+  FlagGroup{subcommand, "Valid pixels"}.add_settings(job.reconstruct);
+  add_clean_flags(subcommand, job.reconstruct);
+  add_frame_flag(subcommand, job.reconstruct);
+  add_scan_input_flags(subcommand, changes, job);
 }
 
 std::shared_ptr<const RecordingReader> OpenedRecording::at(const std::string& path) {
@@ -243,27 +247,12 @@ std::shared_ptr<const ListedFolder> OpenedRecording::folder_at(const std::string
   return folder_;
 }
 
-Scan load_checkable(const std::string& path, const ScanFlags& flags, bool all_cameras,
+Scan load_checkable(const std::string& path, const ScanChanges& changes, bool all_cameras,
                     Output& output) {
-  Scan scan = all_cameras ? load_scan(path, flags) : load_scan(scan_files_in(path, flags));
-
-  if (scan.scanner) {
-    PhotometricCalibration& known = scan.scanner->photometry;
-    if (flags.photometry.ambient) known.ambient = flags.photometry.ambient;
-    if (flags.photometry.noise_variance) known.noise_variance = flags.photometry.noise_variance;
-  }
-
+  Scan scan = all_cameras ? load_scan(path, changes) : load_scan(scan_files_in(path, changes));
   output.warn(scan.warnings);
   for (const Scan& further : scan.further_cameras) output.warn(further.warnings);
   return scan;
-}
-
-ScanJobSettings job_settings(const CloudFlags& flags, ScanOutput output) {
-  return {.reconstruct = flags.settings,
-          .gamma = flags.gamma,
-          .photometry = flags.photometry,
-          .output = output,
-          .keep_refused = flags.anyway};
 }
 
 CheckedJob checked_scan(Scan scan, const std::string& name, const ScanJobSettings& settings,
@@ -271,6 +260,17 @@ CheckedJob checked_scan(Scan scan, const std::string& name, const ScanJobSetting
   CheckedJob job = checked_job(std::move(scan), settings, name);
   refuse_or_warn(job.checked, name, settings.keep_refused, output);
   return job;
+}
+
+ScanResult result_of(Scan scan, const std::string& path, const ScanJobSettings& job,
+                     Output& output) {
+  const CheckedJob checked = checked_scan(std::move(scan), path, job, output);
+  ScanResult result = ScanJob(job)(checked, path);
+
+  const std::vector<Finding>& findings = result.checked.findings;
+  for (const Finding& finding : findings) output.list("findings").push_back(finding);
+  warn_of_findings(findings, checked.checked.findings.size(), path, output);
+  return result;
 }
 
 void tell_guard(const EpipolarCheck& guard, const std::string& prefix, Output& output) {
@@ -293,7 +293,8 @@ StoredCloud loaded_cloud(const std::string& path, Output& output, double unit) {
   return stored;
 }
 
-StoredCloud organised_cloud(const std::string& path, const CloudFlags& flags, Output& output) {
+StoredCloud organised_cloud(const std::string& path, const ScanChanges& changes,
+                            ScanJobSettings job, Output& output) {
   StoredCloud result;
 
   // A cloud is taken as it is.
@@ -307,20 +308,11 @@ StoredCloud organised_cloud(const std::string& path, const CloudFlags& flags, Ou
   }
 
   // A scan is reconstructed from its first camera, with uncertainty if the noise is known.
-  require_valid(flags.settings.clean);
-  ScanJobSettings settings = job_settings(flags);
-  const CheckedJob job =
-      checked_scan(load_checkable(path, flags, false, output), path, settings, output);
-  settings.uncertainty = job.setup.scanner.photometry.noise_variance.has_value();
-  ScanResult made = ScanJob(settings)(job, path);
-
-  // The check's findings are printed already.
-  const std::vector<Finding>& findings = made.checked.findings;
-  nlohmann::json& listed = output.list("findings");
-  for (const Finding& finding : findings) listed.push_back(finding);
-  for (std::size_t i = job.checked.findings.size(); i < findings.size(); ++i) {
-    output.warn(fmt::format("{}: {}", path, text_of(findings[i])));
-  }
+  require_valid(job.reconstruct.clean);
+  Scan scan = load_checkable(path, changes, false, output);
+  job.uncertainty =
+      job.photometry.noise_variance || (scan.scanner && scan.scanner->photometry.noise_variance);
+  ScanResult made = result_of(std::move(scan), path, job, output);
 
   result.organised = true;
   result.cloud = std::move(made.cloud);

@@ -25,15 +25,11 @@ void add_scan_flags(CLI::App& subcommand, ScanChanges& changes);
 /// Whether the word is a switch of a pattern setting.
 bool is_pattern_switch(const std::string& word);
 
-/// Overrides of a scan's own description and scanner, from flags.
-struct ScanFlags : ScanChanges {
-  std::string gamma = "scanner";
-  PhotometricCalibration photometry;  ///< its flags
-};
+/// Adds --scanner, --camera-bits, --camera-region, --grey-patch and the flags of add_scan_flags.
+void add_input_flags(CLI::App& subcommand, ScanChanges& changes);
 
-/// Adds --scanner, --camera-bits, --gamma, --ambient-light, --noise-variance and the flags of
-/// add_scan_flags.
-void add_scan_input_flags(CLI::App& subcommand, ScanFlags& flags);
+/// Adds these, --gamma, --ambient-light and --noise-variance.
+void add_scan_input_flags(CLI::App& subcommand, ScanChanges& changes, ScanJobSettings& job);
 
 /// Adds --grey-patch.
 void add_grey_patch_flag(const FlagGroup& group, ScanChanges& changes);
@@ -54,14 +50,8 @@ inline const std::shared_ptr<const FramePose>& wanted_frame(const ReconstructSet
   return settings.clean.box_frame;
 }
 
-/// Flags of commands that reconstruct scans.
-struct CloudFlags : ScanFlags {
-  ReconstructSettings settings;
-  bool anyway = false;
-};
-
 /// Adds --anyway and the flags of points, cleaning and scans.
-void add_cloud_flags(CLI::App& subcommand, CloudFlags& flags);
+void add_cloud_flags(CLI::App& subcommand, ScanChanges& changes, ScanJobSettings& job);
 
 /// Recordings opened once for all their windows. Thread-safe.
 class OpenedRecording {
@@ -81,18 +71,19 @@ class OpenedRecording {
   std::shared_ptr<const ListedFolder> folder_;
 };
 
-/// Loads a scan folder or recording with its scanner, which may be unknown, and the flags'
-/// overrides; with `all_cameras` also the second camera's. Warnings of the reader go to `output`.
-Scan load_checkable(const std::string& path, const ScanFlags& flags, bool all_cameras,
+/// Loads a scan folder or recording with its scanner, which may be unknown; with `all_cameras` also
+/// the second camera's. Warnings of the reader go to `output`.
+Scan load_checkable(const std::string& path, const ScanChanges& changes, bool all_cameras,
                     Output& output);
-
-/// What these flags ask of a scan.
-ScanJobSettings job_settings(const CloudFlags& flags, ScanOutput output = ScanOutput::points);
 
 /// Chooses the scan's gamma and checks it; may reorder its frames. Prints the findings. Throws
 /// Error if it cannot be reconstructed or is refused.
 CheckedJob checked_scan(Scan scan, const std::string& name, const ScanJobSettings& settings,
                         Output& output);
+
+/// Checks and reconstructs a scan; prints and lists all findings. Throws Error as ScanJob.
+ScanResult result_of(Scan scan, const std::string& path, const ScanJobSettings& job,
+                     Output& output);
 
 /// Prints how well a scan and its guard meet, after `prefix`.
 void tell_guard(const EpipolarCheck& guard, const std::string& prefix, Output& output);
@@ -108,6 +99,7 @@ inline const Uncertainty* uncertainty_of(const StoredCloud& stored) {
 /// An organised cloud in the camera's frame, from a .pcd file, or from a scan as reconstruct makes
 /// it, with uncertainty if the noise is known. Throws Error if the cloud is not organised or the
 /// scan is refused.
-StoredCloud organised_cloud(const std::string& path, const CloudFlags& flags, Output& output);
+StoredCloud organised_cloud(const std::string& path, const ScanChanges& changes,
+                            ScanJobSettings job, Output& output);
 
 }  // namespace slipstream::app

@@ -33,7 +33,7 @@ enum Choice : std::size_t { camera, projector, patterns, scanner, corners, spaci
 struct Studio {
   LiveFlags flags;  ///< all that the choices leave open
   Output& output;
-  std::string given_patterns;  ///< those of the flags
+  std::string first_patterns;  ///< those of the flags
   std::shared_ptr<view::ViewSteps> steps = std::make_shared<view::ViewSteps>();
   std::future<std::vector<CameraDescription>> cameras{};  ///< being searched for
 
@@ -62,7 +62,7 @@ void set_source(const Studio& studio, SourceFlags& source, std::optional<int>& m
 
   // Other patterns than the flags' come with their own settings.
   const std::string& label = studio.chosen(patterns);
-  if (label != studio.given_patterns) {
+  if (label != studio.first_patterns) {
     source.sequence.known = Sequence{.strategy = strategy_labelled(label)};
     source.sequence.strategy = source.sequence.known->strategy.name();
     source.sequence.settings.clear();
@@ -92,9 +92,8 @@ view::ViewSource dressed(Studio& studio, view::ViewSource source) {
       return std::nullopt;
     }
 
-    CloudFlags flags;
-    flags.settings = studio.flags.settings;
-    return view_source_of(path, flags, studio.flags.view, studio.output);
+    return view_source_of(path, {}, {.reconstruct = studio.flags.settings}, studio.flags.view,
+                          studio.output);
   };
 
   return source;
@@ -241,7 +240,7 @@ void studio(const LiveFlags& flags, Output& output) {
       strategy_labels(default_sequence({1280, 800}, flags.source.sequence).strategy);
 
   const std::string& source = flags.source.source;
-  Studio studio{.flags = flags, .output = output, .given_patterns = labels.front()};
+  Studio studio{.flags = flags, .output = output, .first_patterns = labels.front()};
   studio.flags.source.virtual_scanner.idle_step.setZero();  // renders one cycle, not seconds
 
   // The search for cameras takes a while, so it runs beside the window.

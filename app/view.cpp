@@ -68,7 +68,8 @@ namespace {
 
 struct ViewPathFlags {
   std::string path;
-  CloudFlags cloud;
+  ScanChanges changes;
+  ScanJobSettings job;
   std::vector<const CLI::Option*> of_scans;  ///< flags for scans only
   const CLI::App* command = nullptr;
   ViewFlags view;
@@ -89,39 +90,44 @@ void add_timeline(view::ViewSource& source, const ScanFiles& files) {
   Frame last;
   recording.read(recording.count() - 1, last);
   const std::chrono::duration<double> time = last.stamp.host_time.time_since_epoch();
-  source.seconds_per_scan = time.count() / static_cast<double>(source.scans);
+  const auto frames = static_cast<double>(recording.count());
+  source.seconds_per_scan =
+      time.count() * frames / (frames - 1) / static_cast<double>(source.scans);
 }
 
-view::ViewSource source_of_scan(const std::string& path, const CloudFlags& asked,
-                                const std::string& save_to, Output& output) {
-  require_valid(asked.settings.clean);
+view::ViewSource source_of_scan(const std::string& path, const ScanChanges& changes,
+                                const ScanJobSettings& settings, const std::string& save_to,
+                                Output& output) {
+  require_valid(settings.reconstruct.clean);
 
   CheckedJob job =
-      checked_scan(load_checkable(path, asked, false, output), path, job_settings(asked), output);
+      checked_scan(load_checkable(path, changes, false, output), path, settings, output);
   const EngineSetup setup = job.setup;
-  const auto given = job.gamma.response;
+  const auto response = job.gamma.response;
   const auto blind =
-      choose_gamma("blind", given, setup.sequence.strategy.layout(), job.scan.frames).response;
+      choose_gamma("blind", response, setup.sequence.strategy.layout(), job.scan.frames).response;
 
   // Each scan of a recording is checked before it is shown, as the first.
-  const ScanFiles files = scan_files_in(path, asked);
-  CloudFlags chosen = asked;
-  chosen.recording = files.recording;
-  const auto scan_at = [path, chosen, scanner = setup.scanner](std::size_t number) mutable {
-    chosen.window = number;
-    Scan scan = load_scan(scan_files_in(path, chosen));
+  const ScanFiles files = scan_files_in(path, changes);
+  ScanChanges of_window = changes;
+  of_window.recording = files.recording;
+  const auto scan_at = [path, of_window, settings,
+                        scanner = setup.scanner](std::size_t number) mutable {
+    of_window.window = number;
+    Scan scan = load_scan(scan_files_in(path, of_window));
     scan.scanner = scanner;
-    CheckedJob other = checked_job(std::move(scan), job_settings(chosen), path);
-    if (!chosen.anyway) require_right(other.checked, path);
+    CheckedJob other = checked_job(std::move(scan), settings, path);
+    if (!settings.keep_refused) require_right(other.checked, path);
     return still_scan(std::move(other));
   };
 
   view::ViewSource source = view::still_source(still_scan(std::move(job)), setup, scan_at);
   if (files.recording) add_timeline(source, files);
-  if (const auto& frame = wanted_frame(asked.settings)) source.frame = frame_after({}, *frame);
-  source.gammas = {{fmt::format("of the {}", asked.gamma == "scanner" ? "scanner" : "flag"), given},
-                   {"none", std::nullopt},
-                   {"from the frames", blind}};
+  if (const auto& frame = wanted_frame(settings.reconstruct)) {
+    source.frame = frame_after({}, *frame);
+  }
+  const char* const origin = settings.gamma == "scanner" ? "of the scanner" : "of the flag";
+  source.gammas = {{origin, response}, {"none", std::nullopt}, {"from the frames", blind}};
   source.save = [save_to](const view::ShownCloud& cloud, const EngineSetup& used) {
     return save_in_new_folder(cloud.frames, used, save_to, remarks_about(cloud.findings));
   };
@@ -130,10 +136,11 @@ view::ViewSource source_of_scan(const std::string& path, const CloudFlags& asked
 }
 
 /// The window draws in the camera's frame, and tells coordinates in the file's or the wanted one.
-view::ViewSource source_of_cloud(const std::string& path, const CloudFlags& flags, Output& output) {
+view::ViewSource source_of_cloud(const std::string& path, const ReconstructSettings& settings,
+                                 Output& output) {
   StoredCloud stored = loaded_cloud(path, output);
   std::shared_ptr<const FramePose> frame = stored.cloud.frame;
-  if (const auto& wanted = wanted_frame(flags.settings)) frame = frame_after(frame, *wanted);
+  if (const auto& wanted = wanted_frame(settings)) frame = frame_after(frame, *wanted);
   move_to_camera(stored.cloud, stored.uncertainty ? &*stored.uncertainty : nullptr);
 
   view::ViewSource source =
@@ -153,13 +160,13 @@ void serve_page(const ViewPathFlags& flags, Output& output) {
 
   LiveFlags replay;
   replay.headless = true;
-  replay.gamma = flags.cloud.gamma;
-  replay.settings = flags.cloud.settings;
+  replay.gamma = flags.job.gamma;
+  replay.settings = flags.job.reconstruct;
 
   replay.source.source = "replay:" + flags.path;
   replay.source.loop = true;
-  replay.source.sequence = flags.cloud.sequence;
-  replay.source.scanner = flags.cloud.scanner;
+  replay.source.sequence = flags.changes.sequence;
+  replay.source.scanner = flags.changes.scanner;
   if (fs::is_directory(flags.path)) replay.source.rate = 60;  // it has no timestamps
 
   replay.publish = {"web:" + flags.web};
@@ -182,13 +189,14 @@ void view_path(const ViewPathFlags& flags, Output& output) {
   // 1. Without a path: choose in the window.
   if (flags.path.empty()) {
     LiveFlags choices;
-    choices.settings = flags.cloud.settings;
+    choices.settings = flags.job.reconstruct;
     choices.view = flags.view;
     return studio(choices, output);
   }
 
   // 2. Draw pictures, if any are wanted.
-  view::ViewSource source = view_source_of(flags.path, flags.cloud, flags.view, output);
+  view::ViewSource source =
+      view_source_of(flags.path, flags.changes, flags.job, flags.view, output);
   output.document = described("path", flags.path, "files", nlohmann::json::object());
   if (scan) output.document["findings"] = source.newest().findings;
   write_pictures(source, flags.view, true, output);
@@ -199,9 +207,7 @@ void view_path(const ViewPathFlags& flags, Output& output) {
   const fs::path beside = fs::absolute(flags.path / fs::path()).parent_path().parent_path();
   source.openable = [beside] { return viewable_in(beside); };
   source.open = [&flags, &output](const std::string& path) {
-    CloudFlags other;
-    other.settings = flags.cloud.settings;
-    return view_source_of(path, other, flags.view, output);
+    return view_source_of(path, {}, {.reconstruct = flags.job.reconstruct}, flags.view, output);
   };
 
   view::run_viewer(std::move(source), {.view = flags.view.settings, .size = flags.view.size});
@@ -209,10 +215,10 @@ void view_path(const ViewPathFlags& flags, Output& output) {
 
 }  // namespace
 
-view::ViewSource view_source_of(const std::string& path, const CloudFlags& flags,
-                                const ViewFlags& view, Output& output) {
-  view::ViewSource source = is_scan(path) ? source_of_scan(path, flags, view.save_to, output)
-                                          : source_of_cloud(path, flags, output);
+view::ViewSource view_source_of(const std::string& path, const ScanChanges& changes,
+                                const ScanJobSettings& job, const ViewFlags& view, Output& output) {
+  view::ViewSource source = is_scan(path) ? source_of_scan(path, changes, job, view.save_to, output)
+                                          : source_of_cloud(path, job.reconstruct, output);
 
   source.wording = &with_flags;
   source.title = path;
@@ -254,16 +260,16 @@ void add_view(const Commands& program) {
 
   // All options added from here on are about scans.
   const std::size_t before = command.app.get_options().size();
-  command.add("--minimum-modulation", flags.cloud.settings.minimum_modulation,
+  command.add("--minimum-modulation", flags.job.reconstruct.minimum_modulation,
               "minimum modulation of a valid pixel, grey levels of 255");
-  add_scan_input_flags(command.app, flags.cloud);
-  add_clean_flags(command.app, flags.cloud.settings);
-  add_anyway_flag(command.app, flags.cloud.anyway);
+  add_scan_input_flags(command.app, flags.changes, flags.job);
+  add_clean_flags(command.app, flags.job.reconstruct);
+  add_anyway_flag(command.app, flags.job.keep_refused);
   const std::vector<CLI::Option*> options = command.app.get_options();
 
   flags.command = &command.app;
   flags.of_scans.assign(options.begin() + static_cast<std::ptrdiff_t>(before), options.end());
-  add_frame_flag(command.app, flags.cloud.settings);
+  add_frame_flag(command.app, flags.job.reconstruct);
 
   command.common(
       {"--snapshot", "--screenshot", "--size", "--colour", "--web", "--scanner", "--raw"});

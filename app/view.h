@@ -36,8 +36,8 @@ void write_pictures(const view::ViewSource& source, const ViewFlags& flags, bool
                     Output& output);
 
 /// A scan, a recording or a cloud, named `path`.
-view::ViewSource view_source_of(const std::string& path, const CloudFlags& flags,
-                                const ViewFlags& view, Output& output);
+view::ViewSource view_source_of(const std::string& path, const ScanChanges& changes,
+                                const ScanJobSettings& job, const ViewFlags& view, Output& output);
 
 /// Viewable scan folders and files in a folder, newest first.
 std::vector<std::string> viewable_in(const fs::path& folder);

@@ -26,7 +26,7 @@ struct ScanJobSettings {
   /// How the response is chosen that phases are corrected for: see choose_gamma. Two cameras match
   /// phases as measured.
   std::string gamma = "scanner";
-  /// Light and noise of a scan whose scanner is unknown.
+  /// Ambient light and noise variance, which replace those of the first camera's scanner, if set.
   PhotometricCalibration photometry{};
 
   ScanOutput output = ScanOutput::points;
@@ -37,6 +37,7 @@ struct ScanJobSettings {
   /// Reconstructs a scan although its check says that no point can be right, and keeps a result
   /// without points, or whose axes contradict each other.
   bool keep_refused = false;
+  bool moving = false;  ///< the scene may move, see CheckSettings
   /// With two cameras, half the width, pixels, of the window whose matches are smoothed by a plane;
   /// 0: each match as found. See PhaseMatcher.
   int match_window = 5;
@@ -69,6 +70,17 @@ struct GuardResult {
 /// setup_for and Engine do.
 GuardResult compare_with_guard(const Scan& scan, const ReconstructSettings& settings = {});
 
+/// The check of a scan, without its reconstruction.
+struct ScanCheck {
+  CheckedScan checked{};                 ///< findings of its frames, then of its guard; repairs
+  std::optional<EpipolarCheck> guard{};  ///< nullopt if nothing was compared
+};
+
+/// Chooses the response, which the scan's scanner receives; checks the scan, with or without a
+/// scanner, and puts slipped frames in order; then, unless it is refused, compares it with its
+/// guard. Throws Error as compare_with_guard.
+ScanCheck check(Scan& scan, const ScanJobSettings& settings = {});
+
 /// A source of error of a scan's points.
 struct ErrorSource {
   std::string name;             ///< such as "noise"
@@ -80,7 +92,8 @@ struct ErrorSource {
 struct ErrorBudget {
   std::vector<ErrorSource> sources{};
 
-  /// Root of the sum of squares, mm, of the known sources: unknown ones add to it.
+  /// Root of the sum of squares of the known sources, mm. The true error is larger if a source is
+  /// unknown.
   [[nodiscard]] double total() const;
 };
 

@@ -11,7 +11,6 @@
 #include "base/parallel_rows.h"
 #include "base/stopwatch.h"
 #include "base/throw_if-inl.h"
-#include "cloud/seen_colours.h"
 #include "reconstruct/coordinate_map.h"
 #include "reconstruct/coordinate_matcher.h"
 #include "reconstruct/engine_setup.h"
@@ -19,6 +18,7 @@
 #include "reconstruct/phase_matcher.h"
 #include "scan_job/axis_findings.h"
 #include "scan_job/error_budget.h"
+#include "scan_job/scan_colours.h"
 
 namespace slipstream {
 namespace {
@@ -30,18 +30,38 @@ GammaChoice choose_response_for(Scan& scan, const ScanJobSettings& settings) {
   return {.source = "two cameras", .sentence = "two cameras, independent of gamma"};
 }
 
+/// Replaces the ambient light and the noise variance that are set in `settings`.
+void replace_light(PhotometricCalibration& known, const PhotometricCalibration& settings) {
+  if (settings.ambient) known.ambient = settings.ambient;
+  if (settings.noise_variance) known.noise_variance = settings.noise_variance;
+}
+
+/// Light and noise of a scan: its scanner's with the settings', or these alone without one.
+PhotometricCalibration light_of(Scan& scan, const PhotometricCalibration& settings) {
+  if (!scan.scanner) return settings;
+  replace_light(scan.scanner->photometry, settings);
+  return scan.scanner->photometry;
+}
+
+/// Checks and repairs a scan, whose response may then be another. `known`: without a scanner.
+CheckedScan checked_frames(Scan& scan, const ScanJobSettings& settings,
+                           const PhotometricCalibration& known, GammaChoice& gamma) {
+  CheckedScan checked =
+      check_and_repair(scan, {.minimum_modulation = settings.reconstruct.minimum_modulation,
+                              .moving = settings.moving,
+                              .photometry = known,
+                              .blind = gamma.blind});
+  if (!checked.repairs.empty()) gamma = choose_response_for(scan, settings);
+  return checked;
+}
+
 /// The pair with the light and noise that the settings give, else those of its file.
-Scanner pair_of(const Scan& scan, const PhotometricCalibration& given, const std::string& name) {
+Scanner pair_of(const Scan& scan, const PhotometricCalibration& settings, const std::string& name) {
   Scanner pair = completed(*scan.camera_pair, name + ", the second camera as the projector",
                            scan.frames.size(), scan.further_cameras.front().frames.size());
 
-  PhotometricCalibration& known = pair.photometry;
-  if (given.ambient) known.ambient = given.ambient;
-  if (given.noise_variance) {
-    known.noise_variance = given.noise_variance;
-    known.noise_gain = given.noise_gain;
-  }
-  known.response.reset();
+  replace_light(pair.photometry, settings);
+  pair.photometry.response.reset();
   return pair;
 }
 
@@ -154,11 +174,9 @@ void count(ScanResult& result, const ReconstructSettings& settings, ScanOutput o
 
 /// Throws Error: without a scanner there are no points; or RefusedScan if the frames alone show
 /// that something else is wrong.
-[[noreturn]] void refuse_without_scanner(Scan scan, ScanJobSettings settings,
+[[noreturn]] void refuse_without_scanner(Scan& scan, const ScanJobSettings& settings,
                                          const std::string& name) {
-  settings.output = ScanOutput::maps;
-  require_right(checked_job(std::move(scan), settings, name).checked, name);
-
+  require_right(check(scan, settings).checked, name);
   throw Error(
       fmt::format("{}: no scanner is known; name its file with `scanner` or in scan.yaml. Without "
                   "one the frames give `phase FILE`, `modulation FILE` and `preview FILE`",
@@ -171,17 +189,15 @@ CheckedJob checked_job(Scan scan, const ScanJobSettings& settings, const std::st
   const bool has_pair = settings.output == ScanOutput::points && !scan.scanner &&
                         scan.camera_pair && !scan.further_cameras.empty();
   const bool wants_points = settings.output == ScanOutput::points && !has_pair;
-  if (wants_points && !scan.scanner) refuse_without_scanner(std::move(scan), settings, name);
+  if (wants_points && !scan.scanner) refuse_without_scanner(scan, settings, name);
 
   Stopwatch watch;
   CheckedJob job{.scan = std::move(scan)};
+  PhotometricCalibration known = light_of(job.scan, settings.photometry);
   std::optional<Scanner> pair;
-  PhotometricCalibration known = settings.photometry;
   if (has_pair) {
     pair = pair_of(job.scan, settings.photometry, name);
     known = pair->photometry;
-  } else if (job.scan.scanner) {
-    known = job.scan.scanner->photometry;
   }
 
   // 1. The response, and the setup of the engine that reads the frames.
@@ -199,16 +215,26 @@ CheckedJob checked_job(Scan scan, const ScanJobSettings& settings, const std::st
   }
 
   // 2. The check, which may put the frames in another order; then the response may differ.
-  job.checked =
-      check_and_repair(job.scan, {.minimum_modulation = settings.reconstruct.minimum_modulation,
-                                  .photometry = job.setup.scanner.photometry,
-                                  .blind = job.gamma.blind});
-  if (!job.checked.repairs.empty()) job.gamma = choose_response_for(job.scan, settings);
+  job.checked = checked_frames(job.scan, settings, job.setup.scanner.photometry, job.gamma);
 
   if (pair) job.setup.scanner = *pair;
   if (!pair) job.setup.scanner.photometry.response = job.gamma.response;
   job.checking = watch.lap();
   return job;
+}
+
+ScanCheck check(Scan& scan, const ScanJobSettings& settings) {
+  PhotometricCalibration known = light_of(scan, settings.photometry);
+  GammaChoice gamma = choose_response_for(scan, settings);
+  known.response = gamma.response;
+
+  ScanCheck result{.checked = checked_frames(scan, settings, known, gamma)};
+  if (any_wrong(result.checked.findings)) return result;
+
+  GuardResult guard = compare_with_guard(scan, settings.reconstruct);
+  result.guard = guard.epipolar;
+  std::ranges::move(guard.findings, std::back_inserter(result.checked.findings));
+  return result;
 }
 
 ScanJob::ScanJob(ScanJobSettings settings) : settings_(std::move(settings)) {}
@@ -329,10 +355,7 @@ ScanResult ScanJob::operator()(const CheckedJob& job, const std::string& name) {
   // 2. Points or maps.
   two_cameras ? match_cameras(job, result) : compute(job, result);
   if (settings_.output == ScanOutput::points) {
-    const std::optional<ColourCamera>& other = job.scan.colour_camera;
-    result.cloud.colour =
-        other ? colours_seen_by(result.cloud, other->picture, other->lens, other->pose)
-              : job.scan.colour;
+    result.cloud.colour = colours_of(result.cloud, job.scan);
   }
   count(result, setup.settings, settings_.output);
   result.computing = watch.lap();

@@ -216,8 +216,15 @@ TEST(Guard, IsComparedWithoutACloud) {
   ASSERT_EQ(moved.findings.size(), 1U);
   EXPECT_EQ(moved.findings.front().severity, Severity::wrong);
 
+  // The check has these findings too.
+  const ScanCheck checked = check(scan);
+  ASSERT_EQ(checked.checked.findings.size(), 1U);
+  EXPECT_TRUE(is_same(checked.checked.findings.front(), moved.findings.front()));
+  EXPECT_EQ(checked.guard->common, moved.epipolar->common);
+
   scan.guard.clear();
   EXPECT_FALSE(compare_with_guard(scan).epipolar);
+  EXPECT_TRUE(check(scan).checked.findings.empty());
 }
 
 }  // namespace slipstream::guard_test

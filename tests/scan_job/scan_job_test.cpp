@@ -173,6 +173,32 @@ TEST(ScanJob, RefusesAScanThatContradictsItsPatterns) {
   EXPECT_FALSE(kept.cloud.z.empty());
 }
 
+TEST(ScanJob, TakesLightAndNoiseOfItsSettingsBeforeTheScanners) {
+  Scan scan = scan_of(dual);
+  scan.scanner->photometry = {.ambient = 3, .noise_variance = 1, .noise_gain = 0.01};
+  const CheckedJob job = checked_job(scan, {.photometry = {.noise_variance = 2}});
+  const PhotometricCalibration& known = job.setup.scanner.photometry;
+  EXPECT_EQ(known.ambient, 3);
+  EXPECT_EQ(known.noise_variance, 2);
+  EXPECT_EQ(known.noise_gain, 0.01);
+}
+
+TEST(ScanJob, ChecksAScanAsItsReconstructionDoes) {
+  Scan scan = scan_of(dual);
+  scan.frames = reordered(std::move(scan.frames), {1, 2, 3, 4, 5, 0});
+  const ScanResult result = reconstruct(scan);
+  const ScanCheck checked = check(scan);
+  EXPECT_EQ(checked.checked.repairs, result.checked.repairs);
+  EXPECT_EQ(checked.checked.median_depth, result.checked.median_depth);
+  EXPECT_FALSE(scan.order.empty());
+
+  // Also without a scanner.
+  scan.scanner.reset();
+  const ScanCheck without = check(scan);
+  EXPECT_TRUE(without.checked.findings.empty());
+  EXPECT_EQ(without.checked.median_depth, 0);
+}
+
 TEST(ScanJob, PutsSlippedFramesInOrder) {
   Scan scan = scan_of(dual);
   const ScanResult expected = reconstruct(scan);

@@ -23,7 +23,7 @@
 #include "tests/devices/gvcp_packets.h"
 #include "tests/devices/served_camera.h"
 #include "tests/io/expect_error.h"
-#include "tests/io/recorded_frames.h"
+#include "tests/recording/recorded_frames.h"
 
 extern "C" {  // of Aravis
 void arv_enable_interface(const char* name);

@@ -12,7 +12,7 @@
 #include "io/file.h"
 #include "slipstream/recording.h"
 #include "tests/faults/faulted_program.h"
-#include "tests/io/recorded_frames.h"
+#include "tests/recording/recorded_frames.h"
 
 #ifdef SLIPSTREAM_FAULT_LIBRARY
 namespace slipstream::power_loss_test {

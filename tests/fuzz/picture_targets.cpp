@@ -9,7 +9,7 @@
 #include "slipstream/phase_shifting.h"
 #include "slipstream/recording.h"
 #include "tests/fuzz/target.h"
-#include "tests/io/recorded_frames.h"
+#include "tests/recording/recorded_frames.h"
 
 namespace slipstream {
 namespace {

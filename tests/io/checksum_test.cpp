@@ -4,8 +4,8 @@
 #include "slipstream/phase_shifting.h"
 #include "slipstream/recording.h"
 #include "tests/io/expect_error.h"
-#include "tests/io/recorded_frames.h"
 #include "tests/io/temporary_folder.h"
+#include "tests/recording/recorded_frames.h"
 
 namespace slipstream::checksum_test {
 namespace fs = std::filesystem;

@@ -295,13 +295,22 @@ TEST(ScannerNames, OfTwoFilesHoldWhereverAScannerFileDoes) {
 
   const ScanFiles scan = scan_files_from(
       "slipstream: 1\nstrategy: {name: pmp, steps: 4}\n"
-      "scanner: camera.xml,projector.xml\n",
+      "scanner: camera.xml,projector.xml\ncolour_scanner: camera.xml,projector.xml\n",
       "scan.yaml", folder.path());
   expect_known(read_scanner(*scan.scanner), truth);
+  EXPECT_EQ(scan.colour_scanner, scan.scanner);
   const std::uint32_t before = checksum_of(scan);
   write_file(folder.path() / "projector.xml", std::string("other"));
   const std::uint32_t after = checksum_of(scan);
   EXPECT_NE(after, before);
+
+  // The scanner of another colour camera counts as much.
+  ScanFiles of_colour = scan;
+  of_colour.scanner.reset();
+  const std::uint32_t of_other = checksum_of(of_colour);
+  write_file(folder.path() / "projector.xml", std::string("another"));
+  EXPECT_NE(checksum_of(of_colour), of_other);
+  write_file(folder.path() / "projector.xml", std::string("other"));
 
   // The white picture of a colour scan counts too.
   ScanFiles in_colour = scan;

@@ -21,8 +21,8 @@
 #include "slipstream/recording.h"
 #include "tests/devices/gvcp_packets.h"
 #include "tests/devices/offline.h"
-#include "tests/io/recorded_frames.h"
 #include "tests/io/temporary_folder.h"
+#include "tests/recording/recorded_frames.h"
 
 namespace slipstream {
 namespace {

@@ -15,9 +15,9 @@
 #include "slipstream/error.h"
 #include "slipstream/phase_shifting.h"
 #include "slipstream/recording.h"
-#include "tests/io/recorded_frames.h"
 #include "tests/io/small_disk.h"
 #include "tests/io/temporary_folder.h"
+#include "tests/recording/recorded_frames.h"
 
 namespace slipstream::recorder_test {
 namespace fs = std::filesystem;

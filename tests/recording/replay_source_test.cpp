@@ -21,8 +21,8 @@
 #include "slipstream/scan_files.h"
 #include "slipstream/virtual_scanner.h"
 #include "tests/io/expect_error.h"
-#include "tests/io/recorded_frames.h"
 #include "tests/io/temporary_folder.h"
+#include "tests/recording/recorded_frames.h"
 
 namespace slipstream::replay_source_test {
 namespace fs = std::filesystem;

@@ -15,9 +15,9 @@
 #include "slipstream/named_scenes.h"
 #include "slipstream/phase_shifting.h"
 #include "tests/io/expect_error.h"
-#include "tests/io/recorded_frames.h"
 #include "tests/io/small_disk.h"
 #include "tests/io/temporary_folder.h"
+#include "tests/recording/recorded_frames.h"
 
 namespace slipstream::recording_test {
 namespace fs = std::filesystem;

@@ -18,8 +18,8 @@
 #include "slipstream/phase_shifting.h"
 #include "slipstream/recording.h"
 #include "slipstream/strategy.h"
-#include "tests/io/recorded_frames.h"
 #include "tests/io/temporary_folder.h"
+#include "tests/recording/recorded_frames.h"
 #include "tests/step_sequences.h"
 
 namespace slipstream::recorded_source_test {

@@ -25,10 +25,10 @@ FrameViews views_of(const std::vector<py::object>& frames, int bits) {
   constexpr auto pixel = static_cast<py::ssize_t>(sizeof(Pixel));
   Frames<Pixel> views;
 
-  for (const py::object& of : frames) {
-    if (!py::isinstance<py::array_t<Pixel>>(of)) throw Error("frames: arrays of different types");
+  for (const py::object& item : frames) {
+    if (!py::isinstance<py::array_t<Pixel>>(item)) throw Error("frames: arrays of different types");
 
-    const auto frame = py::reinterpret_borrow<py::array>(of);
+    const auto frame = py::reinterpret_borrow<py::array>(item);
     throw_if(
         (frame.strides(1) != pixel && frame.shape(1) > 1) || frame.strides(0) % pixel != 0,
         "frames: the pixels of a row are not contiguous; pass numpy.ascontiguousarray(frames)");
@@ -155,7 +155,7 @@ std::string shown(const py::handle& value) {
   return as_text(text[py::slice(0, longest - 3, 1)]) + "...";
 }
 
-Keywords::Keywords(const py::kwargs& given) : left_(given.attr("copy")()) {}
+Keywords::Keywords(const py::kwargs& kwargs) : left_(kwargs.attr("copy")()) {}
 
 void Keywords::require_none_left() const {
   for (const auto& [name, value] : left_) {

@@ -39,7 +39,7 @@ std::string shown(const py::handle& value);
 /// Keyword arguments, taken one by one.
 class Keywords {
  public:
-  explicit Keywords(const py::kwargs& given);
+  explicit Keywords(const py::kwargs& kwargs);
 
   /// Takes given keywords by name: take("rate", rate, "loop", loop). Throws TypeError for a value
   /// of the wrong type.
@@ -114,8 +114,8 @@ void take_described(Keywords& keywords, Settings& settings) {
 
 /// Settings from keywords. Throws TypeError if a keyword is left.
 template <class Settings>
-Settings settings_from(const py::kwargs& given) {
-  Keywords keywords(given);
+Settings settings_from(const py::kwargs& kwargs) {
+  Keywords keywords(kwargs);
   Settings settings;
   take(keywords, settings);
 

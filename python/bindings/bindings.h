@@ -62,7 +62,7 @@ std::string with_keywords(std::string_view text);
 /// A getter of a member's member.
 template <class Owner, class Outer, class Inner>
 auto within(Outer Owner::*outer, Inner Outer::*inner) {
-  return [=](const Owner& of) -> Inner { return (of.*outer).*inner; };
+  return [=](const Owner& self) -> Inner { return (self.*outer).*inner; };
 }
 
 /// Several results by their names, as a types.SimpleNamespace that prints in one line.
@@ -120,7 +120,8 @@ py::array array_from(Image<Pixel> image) {
   const ImageView<const Pixel> view = *held;
 
   // The array's owner deletes the image.
-  const py::capsule owner(held.release(), [](void* of) { delete static_cast<Image<Pixel>*>(of); });
+  const py::capsule owner(held.release(),
+                          [](void* self) { delete static_cast<Image<Pixel>*>(self); });
 
   return array_over(view, owner);
 }
@@ -140,7 +141,7 @@ class Reused {
 
     // The deleter puts the value back; it shares the queue, so it may outlive this object.
     return {value.release(),
-            [free = free_](Value* of) { free->try_push(std::unique_ptr<Value>(of)); }};
+            [free = free_](Value* self) { free->try_push(std::unique_ptr<Value>(self)); }};
   }
 
  private:

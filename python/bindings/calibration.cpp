@@ -34,8 +34,8 @@ py::object found_gamma(const py::object& frames, int steps, int first, std::opti
 
 ScanAverage average_of(const py::object& scans, bool of_gamma) {
   ScanAverage average;
-  for (const py::object& of : each_scan(scans)) {
-    const auto [scan, name] = checked_scan(of, of_gamma);
+  for (const py::object& item : each_scan(scans)) {
+    const auto [scan, name] = checked_scan(item, of_gamma);
     if (!of_gamma) require_ambient_measurable(scan, name);
     average.add(scan, name);
   }
@@ -54,7 +54,8 @@ py::object calibrated_gamma(const py::object& scans, double minimum_modulation) 
 
 py::object calibrated_noise(const py::object& scans) {
   std::vector<NoiseScan> read;
-  for (const py::object& of : each_scan(scans)) read.emplace_back(checked_scan(of, false).first);
+  for (const py::object& item : each_scan(scans))
+    read.emplace_back(checked_scan(item, false).first);
 
   const std::vector<NoiseMeasurement> all = unlocked([&] { return calibrate_noise(read); });
 
@@ -62,10 +63,10 @@ py::object calibrated_noise(const py::object& scans) {
   const NoiseLine line = noise_line(read).value_or(NoiseLine{.at_half = all.front().variance});
 
   py::list measurements;
-  for (const NoiseMeasurement& of : all) {
-    measurements.append(results("equation"_a = of.equation, "method"_a = of.method,
-                                "variance"_a = of.variance, "standard_error"_a = of.standard_error,
-                                "reason"_a = of.reason));
+  for (const NoiseMeasurement& item : all) {
+    measurements.append(results(
+        "equation"_a = item.equation, "method"_a = item.method, "variance"_a = item.variance,
+        "standard_error"_a = item.standard_error, "reason"_a = item.reason));
   }
 
   return results("variance"_a = line.at_half, "gain"_a = line.gain,
@@ -134,9 +135,9 @@ struct HeldCalibration {
 };
 
 HeldCalibration calibrated(const fs::path& folder, const std::optional<fs::path>& report_folder,
-                           const py::kwargs& given) {
+                           const py::kwargs& kwargs) {
   // 1. The keywords.
-  Keywords keywords(given);
+  Keywords keywords(kwargs);
   const CalibrationBoard board = board_from(keywords);
 
   ScanChanges changes;
@@ -153,7 +154,7 @@ HeldCalibration calibrated(const fs::path& folder, const std::optional<fs::path>
                 "print_deviation", model.print_deviation);
   keywords.require_none_left();
 
-  if (sequence) changes.sequence = changes_to(sequence->thing);
+  if (sequence) changes.sequence = changes_to(sequence->value);
 
   // 2. Reads the poses and calibrates, without the interpreter's lock.
   PoseCaptures captures;
@@ -180,14 +181,14 @@ std::vector<std::string> names_of(const std::vector<CalibratedPose>& poses) {
 }
 
 /// Reprojection errors, pixels.
-py::dict rms_of(const HeldCalibration& of) {
-  const auto [camera, projector, stereo] = of.found.rms;
+py::dict rms_of(const HeldCalibration& self) {
+  const auto [camera, projector, stereo] = self.found.rms;
   return py::dict("camera"_a = camera, "projector"_a = projector, "stereo"_a = stereo);
 }
 
-py::dict unused_of(const HeldCalibration& of) {
+py::dict unused_of(const HeldCalibration& self) {
   py::dict reasons;
-  for (const auto& [name, why] : of.unused) reasons[py::str(name)] = with_keywords(why);
+  for (const auto& [name, why] : self.unused) reasons[py::str(name)] = with_keywords(why);
   return reasons;
 }
 
@@ -200,10 +201,10 @@ void bind_report(py::module_& module) {
   )");
 
   report.def_property_readonly(
-      "scanner", [](HeldCalibration& of) -> Scanner& { return of.found.state.scanner; },
+      "scanner", [](HeldCalibration& self) -> Scanner& { return self.found.state.scanner; },
       "Scanner: calibrated.");
   report.def_property_readonly(
-      "poses", [](const HeldCalibration& of) { return names_of(of.found.poses); },
+      "poses", [](const HeldCalibration& self) { return names_of(self.found.poses); },
       "list[str]: names of the poses used.");
   report.def_property_readonly("unused", &unused_of,
                                "dict[str, str]: reason for each pose not used.");
@@ -212,7 +213,7 @@ void bind_report(py::module_& module) {
                                "stereo, pixels.");
   report.def_readonly("findings", &HeldCalibration::findings, "list[Finding]: diagnostics.");
   report.def_property_readonly(
-      "text", [](const HeldCalibration& of) { return with_keywords(text_of(of.report())); },
+      "text", [](const HeldCalibration& self) { return with_keywords(text_of(self.report())); },
       "str: summary of a few lines.");
 
   report.def("write", &HeldCalibration::write, "path"_a, Unlocked(), R"(

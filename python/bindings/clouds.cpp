@@ -64,10 +64,10 @@ std::shared_ptr<HeldCloud> cloud_from(const ArrayOf<float>& points,
   return held;
 }
 
-void write(const HeldCloud& of, const fs::path& path, const Uncertainty* uncertainty, bool normals,
-           const std::optional<fs::path>& to_frame) {
+void write(const HeldCloud& self, const fs::path& path, const Uncertainty* uncertainty,
+           bool normals, const std::optional<fs::path>& to_frame) {
   require_cloud_ending(path);
-  throw_if(of.cloud.frame && uncertainty != nullptr,
+  throw_if(self.cloud.frame && uncertainty != nullptr,
            "uncertainty: it is in the camera's frame, and this cloud is moved; give `to_frame` "
            "when writing the cloud that it belongs to");
 
@@ -75,44 +75,44 @@ void write(const HeldCloud& of, const fs::path& path, const Uncertainty* uncerta
   if (to_frame) frame = std::make_shared<const FramePose>(read_pose(*to_frame));
 
   std::optional<Normals> smoothed;
-  if (normals) smoothed = smoothed_normals(of.cloud);
+  if (normals) smoothed = smoothed_normals(self.cloud);
 
-  write_cloud(path, of.cloud,
+  write_cloud(path, self.cloud,
               {.normals = smoothed ? &*smoothed : nullptr,
                .uncertainty = uncertainty,
-               .remarks = of.remarks,
+               .remarks = self.remarks,
                .frame = frame});
 }
 
-std::shared_ptr<HeldCloud> moved(const HeldCloud& of, const fs::path& pose) {
+std::shared_ptr<HeldCloud> moved(const HeldCloud& self, const fs::path& pose) {
   const FramePose read = read_pose(pose);
 
   auto copy = std::make_shared<HeldCloud>();
-  copy->cloud = of.cloud;
-  copy->remarks = of.remarks;
+  copy->cloud = self.cloud;
+  copy->remarks = self.remarks;
   move_to_frame(copy->cloud, read);
   return copy;
 }
 
-void write_mesh(const HeldCloud& of, const fs::path& path, double largest_step) {
+void write_mesh(const HeldCloud& self, const fs::path& path, double largest_step) {
   require_mesh_ending(path);
-  write_surface(path, surface_of(of.cloud, largest_step));
+  write_surface(path, surface_of(self.cloud, largest_step));
 }
 
-std::shared_ptr<HeldCloud> cleaned(const HeldCloud& of, const py::kwargs& given) {
-  Cleaner clean(settings_from<CleanSettings>(given));
+std::shared_ptr<HeldCloud> cleaned(const HeldCloud& self, const py::kwargs& kwargs) {
+  Cleaner clean(settings_from<CleanSettings>(kwargs));
 
   return unlocked([&] {
     auto copy = std::make_shared<HeldCloud>();
-    copy->cloud = of.cloud;
+    copy->cloud = self.cloud;
     clean(copy->cloud);
     return copy;
   });
 }
 
-py::dict counts_of(const HeldCloud& of) {
+py::dict counts_of(const HeldCloud& self) {
   py::dict counts;
-  const ValidityCounts all = count_by_validity(of.cloud);
+  const ValidityCounts all = count_by_validity(self.cloud);
 
   for (std::size_t i = 0; i < validity_count; ++i) {
     counts[py::str(std::string(name_of(static_cast<Validity>(i))))] = all[i];
@@ -136,22 +136,22 @@ auto cloud_image(Image<Pixel> Cloud::*member) {
 }
 
 py::object points_of(const py::object& self) {
-  auto& of = self.cast<HeldCloud&>();
-  const HeldCloud::Points* points = unlocked([&] { return &of.points(); });
+  auto& cloud = self.cast<HeldCloud&>();
+  const HeldCloud::Points* points = unlocked([&] { return &cloud.points(); });
   return array_of(*points, self);
 }
 
-py::array normals_of(const HeldCloud& of) {
+py::array normals_of(const HeldCloud& self) {
   return array_from(unlocked([&] {
-    const Normals normals = smoothed_normals(of.cloud);
+    const Normals normals = smoothed_normals(self.cloud);
     HeldCloud::Points joined;
     join(normals.x, normals.y, normals.z, joined);
     return joined;
   }));
 }
 
-py::bytes preview_of(const HeldCloud& of) {
-  const auto png = unlocked([&] { return depth_preview(of.cloud); });
+py::bytes preview_of(const HeldCloud& self) {
+  const auto png = unlocked([&] { return depth_preview(self.cloud); });
   return {reinterpret_cast<const char*>(png.data()), png.size()};
 }
 
@@ -202,11 +202,11 @@ void bind_cloud_properties(CloudClass& cloud) {
 
   cloud.def_property_readonly("counts", &counts_of, "dict[str, int]: pixels by validity.");
   cloud.def_property_readonly(
-      "frame", [](const HeldCloud& of) { return std::string(frame_name(of.cloud)); },
+      "frame", [](const HeldCloud& self) { return std::string(frame_name(self.cloud)); },
       "str: name of the frame of x, y, z; \"camera\" unless it was moved.");
   cloud.def_readonly("remarks", &HeldCloud::remarks, "list[str]: diagnostics, for its file.");
   cloud.def_property_readonly(
-      "size", [](const HeldCloud& of) { return of.cloud.size(); },
+      "size", [](const HeldCloud& self) { return self.cloud.size(); },
       "tuple[int, int]: width and height, pixels.");
 }
 
@@ -302,8 +302,8 @@ void bind_cloud_files(CloudClass& cloud) {
 }
 
 void bind_cloud_previews(CloudClass& cloud) {
-  const auto write_preview = [](const HeldCloud& of, const fs::path& path) {
-    write_depth_preview(path, of.cloud);
+  const auto write_preview = [](const HeldCloud& self, const fs::path& path) {
+    write_depth_preview(path, self.cloud);
   };
 
   cloud.def("write_preview", write_preview, "path"_a, Unlocked(), R"(
@@ -348,7 +348,7 @@ void bind_cloud(py::module_& module) {
   )");
 
   cloud.def(py::init(&cloud_from), "points"_a, "intensity"_a = py::none());
-  cloud.def("__len__", [](const HeldCloud& of) { return point_count(of.cloud); });
+  cloud.def("__len__", [](const HeldCloud& self) { return point_count(self.cloud); });
 
   bind_cloud_properties(cloud);
   bind_cloud_changes(cloud);

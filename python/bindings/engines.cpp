@@ -66,8 +66,8 @@ BorrowedFrames borrowed_for(const SharedEngine& engine, const py::object& frames
 
 // Whether no pixel gives a result. Quick otherwise, so that it costs no time of a stream.
 
-bool is_empty(const HeldCloud& of) {
-  return std::ranges::find(of.cloud.validity, Validity::valid) == of.cloud.validity.end();
+bool is_empty(const HeldCloud& self) {
+  return std::ranges::find(self.cloud.validity, Validity::valid) == self.cloud.validity.end();
 }
 
 bool is_empty(const Maps& maps, const FrameViews& frames, double minimum_modulation) {
@@ -149,14 +149,14 @@ std::shared_ptr<Uncertainty> uncertainty(SharedEngine& engine, const HeldCloud& 
 }
 
 std::shared_ptr<HeldCloud> reconstructed(Given<Scan> scan, const std::string& gamma, bool anyway,
-                                         const py::kwargs& given) {
+                                         const py::kwargs& kwargs) {
   const std::string& name = scan.name;
-  const ScanJobSettings settings{.reconstruct = settings_from<ReconstructSettings>(given),
+  const ScanJobSettings settings{.reconstruct = settings_from<ReconstructSettings>(kwargs),
                                  .gamma = gamma,
                                  .keep_refused = anyway};
 
   const CheckedJob job =
-      unlocked([&] { return checked_job(std::move(scan.thing), settings, name); });
+      unlocked([&] { return checked_job(std::move(scan.value), settings, name); });
   refuse_or_warn(job.checked, name, anyway);
 
   ScanResult made = unlocked([&] { return ScanJob(settings)(job, name); });
@@ -174,21 +174,21 @@ std::shared_ptr<HeldCloud> reconstructed(Given<Scan> scan, const std::string& ga
 }
 
 std::shared_ptr<Maps> decoded(const py::object& frames, const Given<Sequence>& patterns,
-                              std::optional<int> bits, const py::kwargs& given) {
-  const Sequence& sequence = patterns.thing;
-  const auto settings = settings_from<ReconstructSettings>(given);
-  const BorrowedFrames of = borrowed(frames, bits, frame_count(sequence));
+                              std::optional<int> bits, const py::kwargs& kwargs) {
+  const Sequence& sequence = patterns.value;
+  const auto settings = settings_from<ReconstructSettings>(kwargs);
+  const BorrowedFrames given = borrowed(frames, bits, frame_count(sequence));
 
   auto maps = std::make_shared<Maps>();
   std::optional<Engine> engine;
   unlocked([&] {
     engine.emplace(
-        EngineSetup{without_geometry(of.views.size(), sequence.projector), sequence, settings});
-    engine->maps(of.views, *maps);
+        EngineSetup{without_geometry(given.views.size(), sequence.projector), sequence, settings});
+    engine->maps(given.views, *maps);
   });
 
-  if (is_empty(*maps, of.views, settings.minimum_modulation)) {
-    warn_of_reasons(no_pattern, *engine, of.views);
+  if (is_empty(*maps, given.views, settings.minimum_modulation)) {
+    warn_of_reasons(no_pattern, *engine, given.views);
   }
   return maps;
 }
@@ -197,8 +197,9 @@ using EngineClass = py::class_<SharedEngine>;
 
 std::unique_ptr<SharedEngine> engine_from(const Given<Scanner>& scanner,
                                           const Given<Sequence>& sequence,
-                                          const py::kwargs& given) {
-  const EngineSetup setup{scanner.thing, sequence.thing, settings_from<ReconstructSettings>(given)};
+                                          const py::kwargs& kwargs) {
+  const EngineSetup setup{scanner.value, sequence.value,
+                          settings_from<ReconstructSettings>(kwargs)};
   return unlocked([&] { return std::make_unique<SharedEngine>(setup); });
 }
 
@@ -382,10 +383,10 @@ void bind_engine(py::module_& module) {
   engine.def(py::init(&engine_from), "scanner"_a, "sequence"_a);
 
   engine.def_property_readonly(
-      "scanner", [](const SharedEngine& of) { return of.setup().scanner; },
+      "scanner", [](const SharedEngine& self) { return self.setup().scanner; },
       "Scanner: calibration.");
   engine.def_property_readonly(
-      "sequence", [](const SharedEngine& of) { return of.setup().sequence; },
+      "sequence", [](const SharedEngine& self) { return self.setup().sequence; },
       "Sequence: pattern sequence.");
 
   bind_clouds_and_maps(engine);

@@ -6,8 +6,7 @@
 
 #include "python/bindings/bindings.h"
 #include "python/bindings/given.h"
-#include "slipstream/check.h"
-#include "slipstream/gamma.h"
+#include "slipstream/scan_job.h"
 
 namespace slipstream::python {
 namespace {
@@ -76,20 +75,21 @@ Finding finding_of(const py::tuple& state) {
   finding.frames = state[8].cast<std::vector<int>>();
 
   for (const py::handle item : state[3]) {
-    const auto of = item.cast<py::tuple>();
-    finding.evidence.push_back({of[0].cast<std::string>(), of[1].cast<double>(),
-                                of[2].cast<std::string>(), of[3].cast<std::optional<double>>()});
+    const auto fields = item.cast<py::tuple>();
+    finding.evidence.push_back({fields[0].cast<std::string>(), fields[1].cast<double>(),
+                                fields[2].cast<std::string>(),
+                                fields[3].cast<std::optional<double>>()});
   }
   for (const py::handle item : state[4]) {
-    const auto of = item.cast<py::tuple>();
+    const auto fields = item.cast<py::tuple>();
     finding.causes.push_back(
-        {static_cast<CauseKind>(of[0].cast<int>()), of[1].cast<std::string>()});
+        {static_cast<CauseKind>(fields[0].cast<int>()), fields[1].cast<std::string>()});
   }
   for (const py::handle item : state[5]) {
-    const auto of = item.cast<py::tuple>();
-    Remedy remedy{of[0].cast<std::string>()};
+    const auto fields = item.cast<py::tuple>();
+    Remedy remedy{fields[0].cast<std::string>()};
     for (const auto& [name, value] :
-         of[1].cast<std::vector<std::pair<std::string, std::string>>>()) {
+         fields[1].cast<std::vector<std::pair<std::string, std::string>>>()) {
       remedy.settings.push_back({name, value});
     }
     finding.remedies.push_back(std::move(remedy));
@@ -98,23 +98,19 @@ Finding finding_of(const py::tuple& state) {
   return finding;
 }
 
-std::vector<Finding> findings_of(Given<Scan> given, double minimum_modulation, bool moving,
+std::vector<Finding> findings_of(Given<Scan> scan, double minimum_modulation, bool moving,
                                  const std::string& gamma) {
-  Scan& scan = given.thing;
-  CheckSettings settings{.minimum_modulation = minimum_modulation, .moving = moving};
-
-  // With the response, and with its estimate if gamma is measured in this scan itself.
-  const GammaChoice choice = choose_response(scan, gamma);
-  settings.photometry.response = choice.response;
-  settings.blind = choice.blind;
-
-  return check_and_repair(scan, settings).findings;
+  ScanJobSettings settings;
+  settings.gamma = gamma;
+  settings.moving = moving;
+  settings.reconstruct.minimum_modulation = minimum_modulation;
+  return check(scan.value, settings).checked.findings;
 }
 
 void bind_check(py::module_& module) {
   module.def("check", &findings_of, "scan"_a, py::kw_only(), "minimum_modulation"_a = 15.,
              "moving"_a = false, "gamma"_a = "scanner", Unlocked(), R"(
-      Checks whether the frames of a scan fit its sequence, its scanner and each other.
+      Checks whether the frames of a scan fit its sequence, its scanner, each other and its guard.
 
       Args:
           scan (Scan | str | PathLike): frames with their sequence and scanner, or their path.
@@ -144,7 +140,7 @@ void bind_findings(py::module_& module) {
   )");
 
   finding.def_property_readonly(
-      "kind", [](const Finding& of) { return name_of(of.kind); },
+      "kind", [](const Finding& self) { return name_of(self.kind); },
       "str: stable identifier, see docs/reference/findings.md.");
   finding.def_property_readonly("what", in_words<&symptom_of>, "str: observation.");
   finding.def_property_readonly("likely", in_words<&causes_of>, "str: probable causes in words.");
@@ -154,13 +150,13 @@ void bind_findings(py::module_& module) {
                                 "list[dict[str, str]]: the settings of each, empty if only a "
                                 "person can do it.");
   finding.def_property_readonly(
-      "wrong", [](const Finding& of) { return of.severity == Severity::wrong; },
+      "wrong", [](const Finding& self) { return self.severity == Severity::wrong; },
       "bool: whether the scan is refused.");
   finding.def_property_readonly("evidence", &evidence_of,
                                 "dict[str, float]: measured numbers by name.");
   finding.def_readonly("frames", &Finding::frames, "list[int]: those it is about, if only some.");
 
-  finding.def("__str__", [](const Finding& of) { return with_keywords(text_of(of)); });
+  finding.def("__str__", [](const Finding& self) { return with_keywords(text_of(self)); });
   finding.def(py::pickle(&state_of, &finding_of));
 
   bind_check(module);

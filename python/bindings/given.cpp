@@ -18,12 +18,12 @@ bool take_given(py::handle given, Given<Strategy>& strategy) {
   strategy.name = "strategy";
 
   if (py::isinstance<py::str>(given)) {
-    strategy.thing = strategy_labelled(given.cast<std::string>());
+    strategy.value = strategy_labelled(given.cast<std::string>());
     return true;
   }
 
   if (!py::isinstance<Strategy>(given)) return false;
-  strategy.thing = given.cast<Strategy>();
+  strategy.value = given.cast<Strategy>();
   return true;
 }
 
@@ -31,14 +31,14 @@ bool take_given(py::handle given, Given<Sequence>& sequence) {
   sequence.name = "sequence";
 
   if (py::isinstance<Sequence>(given)) {
-    sequence.thing = given.cast<Sequence>();
+    sequence.value = given.cast<Sequence>();
     return true;
   }
 
   // Its patterns along x, with the usual light.
   Given<Strategy> strategy;
   if (!take_given(given, strategy)) return false;
-  sequence.thing = {.strategy = strategy.thing};
+  sequence.value = {.strategy = strategy.value};
   return true;
 }
 
@@ -46,13 +46,13 @@ bool take_given(py::handle given, Given<Scanner>& scanner) {
   scanner.name = "scanner";
 
   if (py::isinstance<Scanner>(given)) {
-    scanner.thing = given.cast<Scanner>();
+    scanner.value = given.cast<Scanner>();
     return true;
   }
 
   if (!is_path(given)) return false;
   const auto path = given.cast<fs::path>();
-  scanner.thing = unlocked([&] { return read_scanner(path); });
+  scanner.value = unlocked([&] { return read_scanner(path); });
   scanner.name = path.string();
   return true;
 }
@@ -61,15 +61,15 @@ bool take_given(py::handle given, Given<Scan>& scan) {
   scan.name = "scan";
 
   if (py::isinstance<Scan>(given)) {
-    scan.thing = given.cast<Scan>();
+    scan.value = given.cast<Scan>();
     return true;
   }
 
   if (!is_path(given)) return false;
   const auto path = given.cast<fs::path>();
-  scan.thing = unlocked([&] { return load_scan(path); });
+  scan.value = unlocked([&] { return load_scan(path); });
   scan.name = path.string();
-  warn_of_files(scan.thing);
+  warn_of_files(scan.value);
   return true;
 }
 

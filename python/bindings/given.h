@@ -14,9 +14,9 @@ namespace slipstream::python {
 /// An argument that users give as the thing itself or by its name: a Strategy by its label, a
 /// Sequence by its Strategy or label, a Scanner by its file, a Scan by its folder or
 /// recording.
-template <class Thing>
+template <class Value>
 struct Given {
-  Thing thing{};
+  Value value{};
   std::string name{};  ///< in messages: the path, or "scan" and the like
 };
 
@@ -34,9 +34,9 @@ bool take_given(pybind11::handle given, Given<Scan>& scan);
 
 namespace pybind11::detail {
 
-template <class Thing>
-struct type_caster<slipstream::python::Given<Thing>> {
-  PYBIND11_TYPE_CASTER(slipstream::python::Given<Thing>, make_caster<Thing>::name);
+template <class Value>
+struct type_caster<slipstream::python::Given<Value>> {
+  PYBIND11_TYPE_CASTER(slipstream::python::Given<Value>, make_caster<Value>::name);
 
   bool load(handle source, bool /*convert*/) {
     return slipstream::python::take_given(source, value);

@@ -38,7 +38,7 @@ class Live {
 
   void start() {
     pipeline_->start();
-    told_ = false;
+    rethrown_ = false;
   }
 
   /// Rethrows an exception of a stage, the source or `on_cloud`, once.
@@ -49,7 +49,7 @@ class Live {
     });
 
     const auto failure = pipeline_->failure();
-    if (failure && !std::exchange(told_, true)) std::rethrow_exception(failure);
+    if (failure && !std::exchange(rethrown_, true)) std::rethrow_exception(failure);
   }
 
   /// Waits for the newest cloud not returned yet.
@@ -104,7 +104,7 @@ class Live {
   }
 
   py::object on_cloud_;
-  bool told_ = false;
+  bool rethrown_ = false;
 
   Reused<HeldCloud> clouds_;
 
@@ -123,13 +123,14 @@ std::string source_from(const py::object& given) {
   throw py::type_error("source cannot be " + shown(given) + "; expected str | PathLike");
 }
 
-std::unique_ptr<Live> live(const py::object& of, const std::optional<Given<Sequence>>& sequence,
+std::unique_ptr<Live> live(const py::object& source_name,
+                           const std::optional<Given<Sequence>>& sequence,
                            const std::optional<Given<Scanner>>& scanner, const py::object& on_cloud,
-                           const py::kwargs& given) {
-  const std::string name = source_from(of);
+                           const py::kwargs& kwargs) {
+  const std::string name = source_from(source_name);
 
   // 1. The keywords; a virtual source also takes a virtual world's.
-  Keywords keywords(given);
+  Keywords keywords(kwargs);
   SourceRequest request{.source = name};
   std::string indexing = "source", gamma = "scanner";
   LiveSettings settings;
@@ -138,7 +139,7 @@ std::unique_ptr<Live> live(const py::object& of, const std::optional<Given<Seque
   take_described(keywords, request);
   keywords.take("indexing", indexing, "gamma", gamma, "most_frames", settings.most_frames);
 
-  if (sequence) request.sequence = changes_to(sequence->thing);
+  if (sequence) request.sequence = changes_to(sequence->value);
   if (scheme_of(name) == "virtual") request.world = world_from(keywords);
   take(keywords, points);
 
@@ -148,7 +149,7 @@ std::unique_ptr<Live> live(const py::object& of, const std::optional<Given<Seque
   NamedSource source = unlocked([&] { return open_source(request); });
   settings.indexing = pattern_indexing_named(source.sequence.marker ? "marker" : indexing);
 
-  if (scanner) source.scanner = scanner->thing;
+  if (scanner) source.scanner = scanner->value;
   const std::string scanner_name = scanner ? scanner->name : "scanner";
   if (!source.scanner) throw Error("no scanner is known for " + name + "; give it as scanner");
 
@@ -165,7 +166,7 @@ std::unique_ptr<Live> live(const py::object& of, const std::optional<Given<Seque
 }
 
 py::dict statistics_of(const Live& live) {
-  const LiveStatistics of = live.statistics();
+  const LiveStatistics statistics = live.statistics();
   py::dict figures;
 
   // Only figures that are a number or a text fit into this dict.
@@ -176,9 +177,9 @@ py::dict statistics_of(const Live& live) {
     }
   };
 
-  of.for_each_figure(tell);
-  of.frames.for_each_figure(tell);
-  of.latency.for_each_figure(
+  statistics.for_each_figure(tell);
+  statistics.frames.for_each_figure(tell);
+  statistics.latency.for_each_figure(
       [&](const char* name, double ms) { tell("latency_" + std::string(name), ms); });
 
   return figures;
@@ -237,7 +238,7 @@ void bind_live(py::module_& module) {
   bound.def_property_readonly("statistics", &statistics_of,
                               "dict[str, Any]: counts since the start; latencies, ms.");
   bound.def_property_readonly(
-      "findings", [](const Live& of) { return of.statistics().findings; },
+      "findings", [](const Live& self) { return self.statistics().findings; },
       "list[Finding]: diagnostics.");
 }
 

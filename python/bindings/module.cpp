@@ -35,8 +35,8 @@ void translate(std::exception_ptr failure) try {
 }
 
 /// False for an object whose constructor failed, which debuggers may still see.
-bool is_constructed(const py::object& of) {
-  auto* const instance = reinterpret_cast<py::detail::instance*>(of.ptr());
+bool is_constructed(const py::object& object) {
+  auto* const instance = reinterpret_cast<py::detail::instance*>(object.ptr());
   return instance->get_value_and_holder().value_ptr() != nullptr;
 }
 

@@ -86,8 +86,8 @@ void take(Keywords& keywords, Lens& lens, const std::string& device) {
   lens.distortion = distortion_from(device + "_distortion", distortion);
 }
 
-Scanner scanner_from(const py::kwargs& given) {
-  Keywords keywords(given);
+Scanner scanner_from(const py::kwargs& kwargs) {
+  Keywords keywords(kwargs);
   Scanner scanner;
   take(keywords, scanner.camera, "camera");
   take(keywords, scanner.projector, "projector");
@@ -118,7 +118,9 @@ Scanner scanner_from_opencv(const py::object& camera_matrix, const py::object& c
 
 template <auto Device>
 void bind_lens(py::class_<Scanner>& scanner, const std::string& device) {
-  const auto distortion = [](const Scanner& of) { return (of.*Device).distortion.coefficients; };
+  const auto distortion = [](const Scanner& self) {
+    return (self.*Device).distortion.coefficients;
+  };
 
   scanner.def_property_readonly((device + "_matrix").c_str(), within(Device, &Lens::intrinsic),
                                 "NDArray[float64]: 3 x 3, pixels.");
@@ -131,21 +133,21 @@ void bind_lens(py::class_<Scanner>& scanner, const std::string& device) {
 template <auto Member>
 void bind_photometry(py::class_<Scanner>& scanner, const char* name, const char* docstring) {
   scanner.def_property(
-      name, [](const Scanner& of) { return of.photometry.*Member; },
-      [](Scanner& of, std::decay_t<decltype(PhotometricCalibration().*Member)> value) {
+      name, [](const Scanner& self) { return self.photometry.*Member; },
+      [](Scanner& self, std::decay_t<decltype(PhotometricCalibration().*Member)> value) {
         // On a copy, so that an invalid value changes nothing.
-        PhotometricCalibration changed = of.photometry;
+        PhotometricCalibration changed = self.photometry;
         changed.*Member = std::move(value);
         require_valid(changed);
-        of.photometry = changed;
+        self.photometry = changed;
       },
       docstring);
 }
 
 /// The phases of any shape, corrected.
-py::object corrected_phases(const MeasuredResponse& of, const py::array_t<double>& phases,
+py::object corrected_phases(const MeasuredResponse& self, const py::array_t<double>& phases,
                             int steps) {
-  const PhaseCorrection correction = phase_correction(of.response, steps);
+  const PhaseCorrection correction = phase_correction(self.response, steps);
   return py::vectorize([&](double phase) { return corrected_phase(correction, phase); })(phases);
 }
 
@@ -237,9 +239,9 @@ void bind_opencv(py::class_<Scanner>& scanner) {
           Error: if an array has the wrong shape, or a value is out of range.
 
       Example:
-          >>> of = scan.scanner
-          >>> results = (of.camera_matrix, of.camera_distortion, of.projector_matrix,
-          ...            of.projector_distortion, of.rotation, of.translation)
+          >>> one = scan.scanner
+          >>> results = (one.camera_matrix, one.camera_distortion, one.projector_matrix,
+          ...            one.projector_distortion, one.rotation, one.translation)
           >>> slipstream.Scanner.from_opencv(*results, camera_size=(160, 120),
           ...                                projector_size=(1280, 800)).camera_size
           (160, 120)
@@ -271,7 +273,7 @@ void bind_scanner(py::module_& module) {
   bind_scanner_properties(scanner);
   bind_opencv(scanner);
 
-  const auto write = [](const Scanner& of, const fs::path& path) { write_scanner(path, of); };
+  const auto write = [](const Scanner& self, const fs::path& path) { write_scanner(path, self); };
 
   scanner.def("write", write, "path"_a, Unlocked(), R"(
       Writes a scanner file.

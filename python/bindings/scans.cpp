@@ -48,15 +48,15 @@ FrameSet copied(const FrameViews& frames) {
 
 /// The scanner must fit the frames and the sequence; its projector is the sequence's.
 void set_scanner(Scan& scan, const Given<Scanner>& scanner) {
-  require_upright(scan.frames.size(), scanner.thing.camera.size);
+  require_upright(scan.frames.size(), scanner.value.camera.size);
   scan.scanner =
-      completed(scanner.thing, scanner.name, scan.frames.size(), scan.sequence.projector);
+      completed(scanner.value, scanner.name, scan.frames.size(), scan.sequence.projector);
   scan.sequence.projector = scan.scanner->projector.size;
 }
 
 Scan scan_from(const py::object& frames, const Given<Sequence>& patterns,
                const std::optional<Given<Scanner>>& scanner, std::optional<int> bits) {
-  const Sequence& sequence = patterns.thing;
+  const Sequence& sequence = patterns.value;
   const BorrowedFrames given = borrowed(frames, bits, frame_count(sequence));
 
   throw_if(given.views.count() != frame_count(sequence), "a scan of {} frames is given {}",
@@ -102,7 +102,7 @@ Scan loaded_scan(const fs::path& path, const std::optional<Given<Sequence>>& seq
   if (second_camera) changes.further_cameras = {*second_camera};
   if (second_scanner) changes.further_scanners = {*second_scanner};
   if (camera_region) changes.camera_region = rectangle_of(*camera_region);
-  if (sequence) changes.sequence = changes_to(sequence->thing);
+  if (sequence) changes.sequence = changes_to(sequence->value);
   if (scanner && scanner->index() == 1) changes.scanner = std::get<fs::path>(*scanner);
 
   // 2. Reads the scan without the interpreter's lock.
@@ -190,11 +190,11 @@ py::object frame_at(const py::object& self, int n) {
 }
 
 /// None if the frame is damaged.
-py::object recorded_frame(const RecordingReader& of, std::uint64_t n) {
-  if (n >= of.count()) throw py::index_error("frame index out of range");
+py::object recorded_frame(const RecordingReader& self, std::uint64_t n) {
+  if (n >= self.count()) throw py::index_error("frame index out of range");
 
   Frame frame;
-  if (!unlocked([&] { return of.read(n, frame); })) return py::none();
+  if (!unlocked([&] { return self.read(n, frame); })) return py::none();
 
   const FrameStamp& stamp = frame.stamp;
   py::array pixels =
@@ -255,8 +255,8 @@ void bind_scan(py::module_& module) {
            "bits"_a = py::none());
 
   scan.def_property(  // never removed: Python may hold it
-      "scanner", [](const Scan& of) { return of.scanner ? &*of.scanner : nullptr; }, &set_scanner,
-      "Scanner | None: calibration; None if unknown.");
+      "scanner", [](const Scan& self) { return self.scanner ? &*self.scanner : nullptr; },
+      &set_scanner, "Scanner | None: calibration; None if unknown.");
   scan.def_readonly("frames", &Scan::frames, "Frames: of the scan.");
   scan.def_readonly("sequence", &Scan::sequence, "Sequence: pattern sequence.");
   scan.def_readonly("exposures", &Scan::exposures, "list[float]: relative, any unit.");
@@ -348,7 +348,7 @@ void bind_recording(py::module_& module) {
   recording.def("__getitem__", &recorded_frame, "n"_a);
 
   const auto in_header = [](auto member) {
-    return [member](const RecordingReader& of) { return of.header().*member; };
+    return [member](const RecordingReader& self) { return self.header().*member; };
   };
 
   recording.def_property_readonly("finished", &RecordingReader::finished,

@@ -43,14 +43,15 @@ py::dict settings_of(const Strategy& strategy) {
 
 std::vector<std::array<std::string, 3>> described_settings() {
   std::vector<std::array<std::string, 3>> described;
-  for (const auto& of : strategy_settings()) described.push_back({of.name, of.help, of.strategies});
+  for (const auto& setting : strategy_settings())
+    described.push_back({setting.name, setting.help, setting.strategies});
   return described;
 }
 
 Sequence sequence_from(const Given<Strategy>& strategy, const std::string& axis,
-                       const py::kwargs& given) {
-  Sequence sequence{.strategy = strategy.thing};
-  Keywords keywords(given);
+                       const py::kwargs& kwargs) {
+  Sequence sequence{.strategy = strategy.value};
+  Keywords keywords(kwargs);
   keywords.take("projector", sequence.projector, "alpha_p", sequence.light.alpha_p, "beta_p",
                 sequence.light.beta_p, "marker", sequence.marker, "exposures", sequence.exposures,
                 "binary", sequence.binary, "motion", sequence.motion);
@@ -81,9 +82,9 @@ py::array patterns_of(const Sequence& sequence, int bits) {
   return bits > 8 ? pictures : pictures.attr("astype")("uint8");
 }
 
-py::list designs(const py::kwargs& given) {
+py::list designs(const py::kwargs& kwargs) {
   StrategyGoal goal;
-  Keywords keywords(given);
+  Keywords keywords(kwargs);
   keywords.take("frames", goal.frames, "coordinate_sigma", goal.coordinate_sigma, "alpha",
                 goal.alpha, "noise_variance", goal.noise_variance, "success", goal.success,
                 "most_periods", goal.most_periods);
@@ -214,8 +215,8 @@ void bind_pattern_pictures(py::class_<Sequence>& sequence) {
           (3, 48, 64)
   )");
 
-  const auto write = [](const Sequence& of, const fs::path& folder, int bits) {
-    return write_patterns(folder, pattern_set(cycle_of(of)), of, bits, [] {});
+  const auto write = [](const Sequence& self, const fs::path& folder, int bits) {
+    return write_patterns(folder, pattern_set(cycle_of(self)), self, bits, [] {});
   };
 
   sequence.def("write_patterns", write, "folder"_a, "bits"_a = 8, Unlocked(), R"(

@@ -17,11 +17,11 @@ namespace slipstream::python {
 namespace {
 
 py::object simulated(Given<Sequence> patterns, const std::optional<fs::path>& path,
-                     const py::kwargs& given) {
-  Sequence& sequence = patterns.thing;
+                     const py::kwargs& kwargs) {
+  Sequence& sequence = patterns.value;
 
   // 1. The virtual world, whose projector must be the sequence's.
-  Keywords keywords(given);
+  Keywords keywords(kwargs);
   const VirtualWorld world = world_from(keywords);
   keywords.require_none_left();
 
@@ -52,24 +52,25 @@ py::object simulated(Given<Sequence> patterns, const std::optional<fs::path>& pa
 }  // namespace
 
 VirtualWorld world_from(Keywords& keywords) {
-  WorldSettings of;
+  WorldSettings settings;
   std::optional<Given<Scanner>> scanner;
   std::optional<MeasuredResponse> response;
   std::array<double, 3> step{};
   double turn = 0;
 
-  keywords.take("scene", of.scene, "mesh", of.mesh, "scanner", scanner, "camera", of.camera, "step",
-                step, "turn", turn, "world", of.world, "response", response);
-  take_described(keywords, of);
+  keywords.take("scene", settings.scene, "mesh", settings.mesh, "scanner", scanner, "camera",
+                settings.camera, "step", step, "turn", turn, "world", settings.world, "response",
+                response);
+  take_described(keywords, settings);
 
-  if (scanner) of.scanner = scanner->thing;
-  if (response) of.response = response->response;
+  if (scanner) settings.scanner = scanner->value;
+  if (response) settings.response = response->response;
 
   // The motion between frames: a step in mm and a turn about the y axis, given in degrees.
-  of.motion.step = Eigen::Vector3d(step.data());
-  of.motion.turn.y() = turn * std::numbers::pi / 180;
+  settings.motion.step = Eigen::Vector3d(step.data());
+  settings.motion.turn.y() = turn * std::numbers::pi / 180;
 
-  return virtual_world(of);
+  return virtual_world(settings);
 }
 
 std::string world_help() {

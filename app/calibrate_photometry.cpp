@@ -194,11 +194,11 @@ struct CalibrateGammaFlags {
   double minimum_modulation = 0;
 };
 
-void require_pixels_asked_for_can_be(const CalibrateGammaFlags& flags, bool can,
-                                     const std::string& why) {
+void require_pixel_gamma(const CalibrateGammaFlags& flags, bool is_possible,
+                         const std::string& why) {
   const bool map = !flags.map.empty();
-  throw_if(!can && (map || !flags.histogram.empty()), "{} {}: {}", map ? "--map" : "--histogram",
-           map ? flags.map : flags.histogram, why);
+  throw_if(!is_possible && (map || !flags.histogram.empty()), "{} {}: {}",
+           map ? "--map" : "--histogram", map ? flags.map : flags.histogram, why);
 }
 
 void tell_pixels(const CalibrateGammaFlags& flags, const PixelGamma& pixels, Output& output) {
@@ -220,14 +220,14 @@ void tell_pixels(const CalibrateGammaFlags& flags, const PixelGamma& pixels, Out
   write_histogram(flags.histogram, "Gamma of every pixel", "gamma", counted, output);
 }
 
-struct Found {
+struct NamedMeasurement {
   std::string name;
   MeasuredResponse measured;
 };
 
 /// nullopt if it takes uniform patterns instead.
-std::optional<Found> from_scans(const CalibrateGammaFlags& flags, const ScanAverage& scans,
-                                Output& output) {
+std::optional<NamedMeasurement> from_scans(const CalibrateGammaFlags& flags,
+                                           const ScanAverage& scans, Output& output) {
   const GammaCalibration found = calibrate_gamma(scans, flags.minimum_modulation);
   const BlindGamma& fit = found.fit;
 
@@ -238,18 +238,18 @@ std::optional<Found> from_scans(const CalibrateGammaFlags& flags, const ScanAver
       described("gamma", fit.gamma, "standard_error", fit.standard_error, "pixels", fit.pixels);
 
   // Gamma per pixel takes the second harmonic, which needs five steps or more.
-  require_pixels_asked_for_can_be(
+  require_pixel_gamma(
       flags, found.pixels.has_value(),
       fmt::format("{} steps are too few to measure gamma per pixel; use 5 or more", found.steps));
   if (found.pixels) tell_pixels(flags, *found.pixels, output);
 
   if (!found.response && flags.uniform) return std::nullopt;
   const MeasuredResponse measured = found_response(found);
-  return Found{found.response->name, measured};
+  return NamedMeasurement{found.response->name, measured};
 }
 
 /// The simplest response that fits uniform patterns, or the measured curve itself if requested.
-Found from_uniform(const CalibrateGammaFlags& flags, Output& output) {
+NamedMeasurement from_uniform(const CalibrateGammaFlags& flags, Output& output) {
   const UniformLevels levels = read_uniform_pictures(*flags.uniform);
   const GammaFit fit = fit_gamma(levels.values, levels.intensities);
   output.say(
@@ -274,14 +274,13 @@ void calibrate_gamma(const CalibrateGammaFlags& flags, Output& output) {
            "calibrate gamma: give folders of scans, or uniform patterns with --uniform");
   throw_if(flags.response && !flags.uniform,
            "--response needs pictures of uniform patterns; name their folder with --uniform");
-  require_pixels_asked_for_can_be(
-      flags, !flags.folders.empty(),
-      "uniform patterns give no per-pixel gamma; give folders of scans");
+  require_pixel_gamma(flags, !flags.folders.empty(),
+                      "uniform patterns give no per-pixel gamma; give folders of scans");
 
   CalibrationFiles files = flags.files;
 
   // 1. Scans of any surface: gamma from the harmonics of the wrapped phase.
-  std::optional<Found> found;
+  std::optional<NamedMeasurement> found;
   if (!flags.folders.empty()) {
     ScanAverage scans;
     for_each_scan(flags.folders, flags.scan, files, true, output,
@@ -291,7 +290,7 @@ void calibrate_gamma(const CalibrateGammaFlags& flags, Output& output) {
 
   // 2. Uniform patterns: gamma from the curve. Scans take precedence; --response takes the curve.
   if (flags.uniform) {
-    const Found uniform = from_uniform(flags, output);
+    const NamedMeasurement uniform = from_uniform(flags, output);
     if (!found) found = uniform;
     if (flags.response) {
       found->name = uniform.name;

@@ -155,7 +155,7 @@ void add_camera_serve(const Commands& camera) {
       "first show a calibration board in this many poses, each under patterns along x, then y");
   command.add("--still", flags.still, "pattern cycles per pose");
 
-  command.add("--duration", flags.duration, "so long, s");
+  command.add("--duration", flags.duration, "stop after this many seconds");
   command.add("--packet-loss", flags.packet_loss, "share of packets to drop, 0 to 1");
 
   command.add_file("--scanner", flags.scene.scanner_file,
@@ -296,7 +296,7 @@ void add_record(const Commands& program) {
   required(command.add("--source", source.source, source_forms()));
 
   command.add("--frames", flags.frames, "number of frames; default: until Ctrl-C");
-  command.add("--duration", flags.duration, "so long, s");
+  command.add("--duration", flags.duration, "stop after this many seconds");
   add_limit_flag(command.app, flags.limit);
 
   command.add_settings(source);

@@ -97,8 +97,9 @@ void write_results(LiveSession& session, const LiveFlags& flags, Output& output)
 
   output.say_lines(text_of(statistics));
   for (const SinkStatistics& sink : session.sinks()) {
-    output.say("{}: {} of {} clouds{}", sink.name, sink.published, sink.published + sink.dropped,
-               sink.dropped == 0 ? "" : "; the others came while four waited for it");
+    output.say("{}: published {} of {} clouds{}", sink.name, sink.published,
+               sink.published + sink.dropped,
+               sink.dropped == 0 ? "" : "; the rest were dropped because its queue was full");
   }
   output.document.update(session.document());
 

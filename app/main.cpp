@@ -353,11 +353,12 @@ int main(int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == "serve") app::reload_at_hangup();
   app::prepare_process();
 
-  const auto given = [&](std::string_view word) {
+  const auto has_argument = [&](std::string_view word) {
     return std::find(argv, argv + argc, word) != argv + argc;
   };
-  const bool json = given("--json");
-  const bool piped = given(standard_output) || given("-o-") || given("--output=-");
+  const bool json = has_argument("--json");
+  const bool piped =
+      has_argument(standard_output) || has_argument("-o-") || has_argument("--output=-");
   app::Output output(json, piped);  // also if flags cannot be parsed
   output.run = {app::program_version, app::command_text(arguments)};
 

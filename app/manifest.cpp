@@ -68,7 +68,7 @@ nlohmann::json sums_of(const std::vector<std::string>& paths) {
 }
 
 std::string why_not_done(const Manifest& manifest, const ScanName& scan,
-                         const nlohmann::json& asked, const std::vector<std::string>& outputs) {
+                         const nlohmann::json& expected, const std::vector<std::string>& outputs) {
   const auto found = manifest.entries.find(scan);
   if (found == manifest.entries.end()) return "not done yet";
 
@@ -76,7 +76,7 @@ std::string why_not_done(const Manifest& manifest, const ScanName& scan,
   if (entry.contains("error")) return entry["error"].is_string() ? entry["error"] : "failed";
 
   // The same input, settings and version, and outputs that are still as they were written.
-  for (const auto& [key, value] : asked.items()) {
+  for (const auto& [key, value] : expected.items()) {
     if (!entry.contains(key) || entry[key] != value) return "done with a different " + key;
   }
 

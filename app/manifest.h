@@ -39,6 +39,6 @@ nlohmann::json sums_of(const std::vector<std::string>& paths);
 
 /// Why the scan must be done again with these outputs; empty if it is complete.
 std::string why_not_done(const Manifest& manifest, const ScanName& scan,
-                         const nlohmann::json& asked, const std::vector<std::string>& outputs);
+                         const nlohmann::json& expected, const std::vector<std::string>& outputs);
 
 }  // namespace slipstream::app

@@ -29,13 +29,13 @@ namespace {
 // Global, as a signal handler reaches nothing else; read from other threads too.
 std::atomic<int> stop_raised = 0;  // the signal received
 static_assert(std::atomic<int>::is_always_lock_free);
-std::atomic<bool> reload_asked = false;
+std::atomic<bool> reload_requested = false;
 static_assert(std::atomic<bool>::is_always_lock_free);
 std::atomic<bool> in_run = false;  // a RunEnd exists
 bool ends_by_pipe = false;         // unless SIGPIPE was ignored from the start
 
-void ask_for_reload(int /*signal*/) {
-  reload_asked = true;
+void request_reload(int /*signal*/) {
+  reload_requested = true;
 }
 
 /// SIGHUP stays ignored with nohup, and once it asks for reloads it does nothing else.
@@ -47,7 +47,7 @@ void handle(std::initializer_list<int> signals, void (*handler)(int)) {
 
   for (const int signal : signals) {
     ::sigaction(signal, nullptr, &before);
-    const bool stays = before.sa_handler == SIG_IGN || before.sa_handler == ask_for_reload;
+    const bool stays = before.sa_handler == SIG_IGN || before.sa_handler == request_reload;
     if (signal != SIGHUP || !stays) ::sigaction(signal, &action, nullptr);
   }
 }
@@ -61,7 +61,7 @@ void end_program(int signal) {
 
   // A closed pipe must end in silence.
   constexpr std::string_view words = "slipstream: stopped\n";
-  [[maybe_unused]] const auto said =
+  [[maybe_unused]] const auto written =
       signal == SIGPIPE ? 0 : ::write(STDERR_FILENO, words.data(), words.size());
 
   // As the signal would have ended it, so that the parent process sees why.
@@ -177,11 +177,11 @@ void tell_service_manager(const std::string& state) {
 }
 
 void reload_at_hangup() {
-  handle({SIGHUP}, ask_for_reload);
+  handle({SIGHUP}, request_reload);
 }
 
 bool take_reload_request() {
-  return reload_asked.exchange(false);
+  return reload_requested.exchange(false);
 }
 
 bool stopped_by_signal() {

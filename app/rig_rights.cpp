@@ -95,10 +95,10 @@ bool is_reached_by_others(const CLI::Option& option, const std::string& value) {
   if (option.check_lname("address")) return !is_loopback(value);
   if (!option.check_lname("publish")) return false;
 
-  std::string_view what = value;
-  const std::string_view kind = take_until(what, ':');
-  if (kind == "web" || kind == "tcp") return !is_loopback_port(std::string(what));
-  if (kind == "genicam") return !is_loopback(std::string(what));
+  std::string_view address = value;
+  const std::string_view kind = take_until(address, ':');
+  if (kind == "web" || kind == "tcp") return !is_loopback_port(std::string(address));
+  if (kind == "genicam") return !is_loopback(std::string(address));
   return kind == "ros2";
 }
 

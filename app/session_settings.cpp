@@ -86,9 +86,9 @@ void set_recording(RecordedSource& source, const std::string& folder, bool on) {
 
 }  // namespace
 
-std::vector<std::string> strategy_labels(const Strategy& given) {
+std::vector<std::string> strategy_labels(const Strategy& strategy) {
   std::vector<std::string> labels;
-  for (const Strategy& choice : strategies_beside(given)) labels.push_back(label_of(choice));
+  for (const Strategy& choice : strategies_beside(strategy)) labels.push_back(label_of(choice));
   return labels;
 }
 
@@ -145,8 +145,8 @@ std::vector<RunSetting> LiveSession::settings() const {
   return all;
 }
 
-void LiveSession::change(const std::string& asked, const std::string& value) {
-  const std::string name = present_name(asked);
+void LiveSession::change(const std::string& setting, const std::string& value) {
+  const std::string name = present_name(setting);
   require_settable(settings(), name, value);
   const auto control = std::ranges::find(camera_controls, name, &CameraControlWords::name);
 
@@ -164,8 +164,8 @@ void LiveSession::change(const std::string& asked, const std::string& value) {
   // 3. A setting of the reconstruction, or the strategy.
   EngineSetup setup = setup_;
   if (name == "strategy") {
-    const bool given = value == label_of(strategy_);
-    setup.sequence.strategy = given ? strategy_ : strategy_labelled(value);
+    const bool is_first = value == label_of(strategy_);
+    setup.sequence.strategy = is_first ? strategy_ : strategy_labelled(value);
   }
   change_described(setup.settings, name, value);
   change_locked(std::move(setup));

@@ -80,7 +80,7 @@ class CloudSink {
  private:
   std::mutex news_mutex_;  ///< guards the members below
   std::vector<std::string> news_;
-  std::set<std::string> told_;
+  std::set<std::string> reported_;
 };
 
 /// A sink that skips clouds sharing a frame with the previous one.

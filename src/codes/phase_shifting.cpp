@@ -265,8 +265,8 @@ void MultiFrequency::require_valid() const {
 
 Layout MultiFrequency::layout() const {
   Layout layout = layout_of(runs(), Unwrapping::none);
-  const Unwrapping* const asked = band_unwrapping_named(unwrapping);
-  layout.unwrapping = asked != nullptr ? *asked : safest(layout);
+  const Unwrapping* const chosen = band_unwrapping_named(unwrapping);
+  layout.unwrapping = chosen != nullptr ? *chosen : safest(layout);
   return layout;
 }
 

@@ -334,8 +334,9 @@ void write_packet(const GigeBlock& block, std::size_t place, Bytes& packet) {
   append_big_endian(packet, payload_of(block), block.region.size.height);
 }
 
-void write_missing_packet(const GigeResend& asked, Bytes& packet) {
-  begin(packet, unavailable, asked.long_numbers, asked.block, Content::picture, asked.first, 0);
+void write_missing_packet(const GigeResend& request, Bytes& packet) {
+  begin(packet, unavailable, request.long_numbers, request.block, Content::picture, request.first,
+        0);
 }
 
 GigeBlock block_of(const Image<std::uint8_t>& picture, const GigeStream& stream,

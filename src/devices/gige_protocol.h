@@ -186,7 +186,7 @@ std::size_t packet_count(const GigeBlock& block);
 /// Writes a packet into `packet`, reusing its memory; `place` is below packet_count().
 void write_packet(const GigeBlock& block, std::size_t place, std::vector<std::uint8_t>& packet);
 /// Writes the answer to a resend request for a packet that is no longer available.
-void write_missing_packet(const GigeResend& asked, std::vector<std::uint8_t>& packet);
+void write_missing_packet(const GigeResend& request, std::vector<std::uint8_t>& packet);
 
 /// A region within a picture, timestamped now.
 GigeBlock block_of(const Image<std::uint8_t>& picture, const GigeStream& stream,

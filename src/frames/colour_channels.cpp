@@ -221,24 +221,24 @@ ColourSource::ColourSource(std::unique_ptr<FrameSource> pictures)
     : SourceOver(std::move(pictures)),
       format_(format_of(*source_)),
       picture_(source_->format()),
-      given_(colour_channels) {}
+      returned_(colour_channels) {}
 
 void ColourSource::start() {
-  given_ = colour_channels;
+  returned_ = colour_channels;
   source_->start();
 }
 
 Arrival ColourSource::next(Frame& frame, std::chrono::milliseconds timeout) {
   // A new picture once all channels of the last one are returned.
-  if (given_ == colour_channels) {
+  if (returned_ == colour_channels) {
     const Arrival arrival = source_->next(picture_, timeout);
     if (arrival != Arrival::frame) return arrival;
-    given_ = 0;
+    returned_ = 0;
   }
 
   // Its next channel, of every third value.
   if (frame.format() != format_) frame = Frame(format_);
-  const std::uint8_t* value = std::get<Image<std::uint8_t>>(picture_.pixels).begin() + given_;
+  const std::uint8_t* value = std::get<Image<std::uint8_t>>(picture_.pixels).begin() + returned_;
   for (std::uint8_t& pixel : std::get<Image<std::uint8_t>>(frame.pixels)) {
     pixel = *value;
     value += colour_channels;
@@ -246,12 +246,12 @@ Arrival ColourSource::next(Frame& frame, std::chrono::milliseconds timeout) {
 
   // Three frames, and patterns, for each picture.
   frame.stamp = picture_.stamp;
-  frame.stamp.sequence = colour_channels * frame.stamp.sequence + given_;
+  frame.stamp.sequence = colour_channels * frame.stamp.sequence + returned_;
   if (std::optional<int>& pattern = frame.stamp.pattern_index) {
-    *pattern = colour_channels * *pattern + given_;
+    *pattern = colour_channels * *pattern + returned_;
   }
 
-  ++given_;
+  ++returned_;
   return Arrival::frame;
 }
 
@@ -268,7 +268,7 @@ UnmixedSource::UnmixedSource(std::unique_ptr<FrameSource> source, const ColourMi
 
 void UnmixedSource::start() {
   seen_.clear();
-  given_ = stamps_.size();
+  returned_ = stamps_.size();
   source_->start();
 }
 
@@ -277,7 +277,7 @@ Arrival UnmixedSource::next(Frame& frame, std::chrono::milliseconds timeout) {
   const Clock::time_point end = Clock::now() + timeout;
 
   // 1. Wait for the three channels of one image, and separate its colours.
-  while (given_ == stamps_.size()) {
+  while (returned_ == stamps_.size()) {
     Frame seen(source_->format());
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
     const Arrival arrival = source_->next(seen, std::max(left, std::chrono::milliseconds(0)));
@@ -293,7 +293,7 @@ Arrival UnmixedSource::next(Frame& frame, std::chrono::milliseconds timeout) {
     stamps_.clear();
     for (const Frame& channel : seen_) stamps_.push_back(channel.stamp);
     apart_ = unmixed(frame_set_of(std::exchange(seen_, {})), mixture_, white_);
-    given_ = 0;
+    returned_ = 0;
   }
 
   // 2. Return its next frame.
@@ -301,11 +301,11 @@ Arrival UnmixedSource::next(Frame& frame, std::chrono::milliseconds timeout) {
   apart_.visit([&]<class Pixel>(const Frames<Pixel>& frames) {
     if constexpr (std::is_same_v<Pixel, std::uint16_t>) {
       auto& image = std::get<Image<std::uint16_t>>(frame.pixels);
-      std::copy_n(frames[given_].row(0), image.pixel_count(), image.begin());
+      std::copy_n(frames[returned_].row(0), image.pixel_count(), image.begin());
     }
   });
 
-  frame.stamp = stamps_[given_++];
+  frame.stamp = stamps_[returned_++];
   return Arrival::frame;
 }
 

@@ -49,7 +49,7 @@ class ColourSource : public SourceOver {
  private:
   FrameFormat format_;
   Frame picture_;
-  int given_;  ///< channels of picture_ already returned
+  int returned_;  ///< channels of picture_ already returned
 };
 
 /// Applies `unmixed` to a source such as ColourSource; skips images that lack a channel.
@@ -69,7 +69,7 @@ class UnmixedSource : public SourceOver {
   std::vector<Frame> seen_;         ///< of the incoming image
   std::vector<FrameStamp> stamps_;  ///< of the separated image
   FrameSet apart_;                  ///< the separated image
-  std::size_t given_ = 0;           ///< frames of apart_ already returned
+  std::size_t returned_ = 0;        ///< frames of apart_ already returned
 };
 
 }  // namespace slipstream

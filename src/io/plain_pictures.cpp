@@ -187,16 +187,16 @@ Picture read_pgm(Bytes bytes, std::size_t frames) {
 
   // 2. The size of the picture, checked against the file's before memory is allocated.
   const int bytes_each = levels > 255 ? 2 : 1;
-  const PictureKind of{
+  const PictureKind form{
       {static_cast<int>(columns), static_cast<int>(rows)}, coloured ? 3 : 1, 8 * bytes_each};
   const std::size_t numbers = columns * rows * (coloured ? 3 : 1);
 
   // In ASCII, each number takes at least two characters, except the last.
-  throw_if(text.size() < (binary ? rows * of.row_bytes() : 2 * numbers - 1),
+  throw_if(text.size() < (binary ? rows * form.row_bytes() : 2 * numbers - 1),
            "not a complete PGM file: truncated");
 
   // 3. The levels, in ASCII or binary.
-  Picture picture(of);
+  Picture picture(form);
   picture.used_bits = std::max(8, static_cast<int>(std::bit_width(levels)));
 
   std::uint8_t* to = picture.row(0);

@@ -50,11 +50,11 @@ std::string plain_name(std::string_view text) {
 
 /// The numbers with these names, in their order; empty unless all are there. Of a name that comes
 /// twice the last: in a FANUC program P[1] is before the pose's P.
-std::vector<double> numbers_named(const NamedNumbers& of, const Names& names) {
+std::vector<double> numbers_named(const NamedNumbers& entry, const Names& names) {
   std::vector<double> found;
   for (const std::string& name : names) {
     std::optional<double> last;
-    for (const auto& [own, number] : of.numbers) {
+    for (const auto& [own, number] : entry.numbers) {
       if (own == name) last = number;
     }
     if (last) found.push_back(*last);
@@ -62,16 +62,16 @@ std::vector<double> numbers_named(const NamedNumbers& of, const Names& names) {
   return found.size() == names.size() ? found : std::vector<double>();
 }
 
-std::vector<double> first_named(const NamedNumbers& of, const std::vector<Names>& choices) {
+std::vector<double> first_named(const NamedNumbers& entry, const std::vector<Names>& choices) {
   for (const Names& names : choices) {
-    std::vector<double> found = numbers_named(of, names);
+    std::vector<double> found = numbers_named(entry, names);
     if (!found.empty()) return found;
   }
   return {};
 }
 
 /// The row of a table: by the names if they are known, else by the order.
-std::vector<double> row_from(const NamedNumbers& of) {
+std::vector<double> row_from(const NamedNumbers& entry) {
   static const std::vector<Names> positions{
       {"x", "y", "z"}, {"tx", "ty", "tz"}, {"px", "py", "pz"}};
   static const std::vector<Names> rotations{
@@ -79,8 +79,8 @@ std::vector<double> row_from(const NamedNumbers& of) {
       {"rx", "ry", "rz"},       {"a", "b", "c"},          {"w", "p", "r"},
       {"o", "a", "t"},          {"u", "v", "w"},          {"roll", "pitch", "yaw"}};
 
-  std::vector<double> row = first_named(of, positions);
-  const std::vector<double> rotation = first_named(of, rotations);
+  std::vector<double> row = first_named(entry, positions);
+  const std::vector<double> rotation = first_named(entry, rotations);
   if (!row.empty() && !rotation.empty()) {
     row.insert(row.end(), rotation.begin(), rotation.end());
     return row;
@@ -90,7 +90,7 @@ std::vector<double> row_from(const NamedNumbers& of) {
   const bool has_position = !row.empty();
   Names names;
   row.clear();
-  for (const auto& [name, number] : of.numbers) {
+  for (const auto& [name, number] : entry.numbers) {
     row.push_back(number);
     if (!name.empty()) names.push_back(name);
   }
@@ -104,7 +104,7 @@ std::vector<double> row_from(const NamedNumbers& of) {
   // Position, quaternion, axis configuration and external axes of an ABB controller, which have no
   // names; the first may have the pose's.
   constexpr std::size_t robtarget = 17;
-  if (row.size() == robtarget && of.numbers[1].first.empty()) row.resize(7);
+  if (row.size() == robtarget && entry.numbers[1].first.empty()) row.resize(7);
 
   if (row.size() == 12) row.insert(row.end(), {0, 0, 0, 1});
   throw_if(row.size() != 6 && row.size() != 7 && row.size() != 16,
@@ -140,19 +140,19 @@ NamedNumbers numbers_in_columns(const std::string& line, const Names& columns,
   const auto cells = words_of(line, separators);
   throw_if(cells.size() != columns.size(), "{} columns; expected {}", cells.size(), columns.size());
 
-  NamedNumbers of;
+  NamedNumbers entry;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     if (columns[i] == "name") {
-      of.pose = unquoted(cells[i]);
+      entry.pose = unquoted(cells[i]);
       continue;
     }
     if (columns[i].empty()) continue;
 
     const auto words = words_of(cells[i]);
     const std::optional<double> number = number_of_word(words.empty() ? "" : words.front());
-    if (number) of.numbers.emplace_back(columns[i], *number);
+    if (number) entry.numbers.emplace_back(columns[i], *number);
   }
-  return of;
+  return entry;
 }
 
 /// Whether a word may name a pose: motions of KRL, RAPID and URScript stand in the same place.
@@ -177,24 +177,24 @@ std::string without_speed(const std::string& line) {
 
 /// A line that has its names beside its numbers, or none.
 NamedNumbers numbers_in_line(const std::string& line) {
-  NamedNumbers of;
+  NamedNumbers entry;
   const std::string pose = without_speed(line);
   std::string_view before;
   for (const std::string_view word : words_of(pose, " \t\r,;{}[]()=:\"'")) {
     const std::optional<double> number = number_of_word(word);
     if (!number) {
       // The last word before the first number names the pose, unless it names a coordinate.
-      if (of.numbers.empty() && names_a_pose(before)) of.pose = before;
+      if (entry.numbers.empty() && names_a_pose(before)) entry.pose = before;
       before = word;
       continue;
     }
 
-    of.numbers.emplace_back(plain_name(before), *number);
-    const bool is_first = of.numbers.size() == 1;
-    if (is_first && of.numbers.front().first != "x" && names_a_pose(before)) of.pose = before;
+    entry.numbers.emplace_back(plain_name(before), *number);
+    const bool is_first = entry.numbers.size() == 1;
+    if (is_first && entry.numbers.front().first != "x" && names_a_pose(before)) entry.pose = before;
     before = {};
   }
-  return of;
+  return entry;
 }
 
 /// Blank lines, and comments of tables and of robots' programs.
@@ -254,12 +254,12 @@ Names plain_names(std::string_view line, const char* separators) {
   return names;
 }
 
-void add_row(PoseTable& table, const NamedNumbers& of) {
-  std::vector<double> row = row_from(of);
+void add_row(PoseTable& table, const NamedNumbers& entry) {
+  std::vector<double> row = row_from(entry);
   const std::size_t usual = table.rows.empty() ? row.size() : table.rows.front().size();
   throw_if(row.size() != usual, "{} numbers of a pose; those before have {}", row.size(), usual);
   table.rows.push_back(std::move(row));
-  table.names.push_back(of.pose);
+  table.names.push_back(entry.pose);
 }
 
 PoseTable table_in_lines(const std::string& text, std::string_view named_columns) {
@@ -303,10 +303,10 @@ PoseTable table_in_lines(const std::string& text, std::string_view named_columns
       if (!columns.empty()) return add_row(table, numbers_in_columns(line, columns, separators));
 
       // Programs of robots have other lines too.
-      const NamedNumbers of = numbers_in_line(line);
-      if (of.numbers.size() < 6) return;
+      const NamedNumbers entry = numbers_in_line(line);
+      if (entry.numbers.size() < 6) return;
       require_one_pose(line);
-      add_row(table, of);
+      add_row(table, entry);
     });
   }
   return table;
@@ -318,30 +318,32 @@ bool begins_with_any(const std::string& text, std::initializer_list<std::string_
 }
 
 /// Appends all numbers of a node. `inside`: its key.
-void collect(const YAML::Node& node, const std::string& inside, NamedNumbers& of, int depth = 0) {
+void collect(const YAML::Node& node, const std::string& inside, NamedNumbers& entry,
+             int depth = 0) {
   throw_if(depth > 4, "line {}: lists within lists", node.Mark().line + 1);
   if (node.IsScalar()) {
     if (inside == "name" || inside == "id") {
-      of.pose = node.Scalar();
+      entry.pose = node.Scalar();
       return;
     }
 
     const std::optional<double> number = number_of_word(node.Scalar());
-    if (number) of.numbers.emplace_back(inside, *number);
+    if (number) entry.numbers.emplace_back(inside, *number);
     return;
   }
 
   if (node.IsSequence()) {
-    for (const YAML::Node& part : node) collect(part, node.size() > 1 ? "" : inside, of, depth + 1);
+    for (const YAML::Node& part : node)
+      collect(part, node.size() > 1 ? "" : inside, entry, depth + 1);
     return;
   }
 
   // The position goes first, whatever the order of the keys.
   for (const bool rotation : {false, true}) {
-    for (const auto& entry : node) {
-      if (!entry.first.IsScalar()) continue;
-      std::string key = plain_name(entry.first.Scalar());
-      throw_if(key == "name" && entry.second.IsSequence(),
+    for (const auto& child : node) {
+      if (!child.first.IsScalar()) continue;
+      std::string key = plain_name(child.first.Scalar());
+      throw_if(key == "name" && child.second.IsSequence(),
                "a list of names, as of joints; expected poses of the tool");
       if (begins_with_any(key, {"joint", "axis", "axes", "actualq", "velocity", "effort"}) ||
           key == "q") {
@@ -349,7 +351,7 @@ void collect(const YAML::Node& node, const std::string& inside, NamedNumbers& of
       }
       if (begins_with_any(key, {"rot", "orient", "quat", "angle", "euler"}) != rotation) continue;
       if (begins_with_any(inside, {"orient", "quat", "rot"})) key.insert(0, "q");
-      collect(entry.second, key, of, depth + 1);
+      collect(child.second, key, entry, depth + 1);
     }
   }
 }
@@ -359,9 +361,9 @@ PoseTable table_in_yaml(const std::string& text) {
 
   // Under a key.
   if (list.IsMap()) {
-    for (const auto& entry : list) {
-      if (entry.second.IsSequence() && entry.second.size() > 0 && !entry.second[0].IsScalar()) {
-        list.reset(entry.second);
+    for (const auto& child : list) {
+      if (child.second.IsSequence() && child.second.size() > 0 && !child.second[0].IsScalar()) {
+        list.reset(child.second);
         break;
       }
     }
@@ -370,10 +372,10 @@ PoseTable table_in_yaml(const std::string& text) {
 
   PoseTable table;
   for (const YAML::Node& item : list) {
-    NamedNumbers of;
+    NamedNumbers entry;
     naming(fmt::format("line {}", item.Mark().line + 1), [&] {
-      collect(item, "", of);
-      add_row(table, of);
+      collect(item, "", entry);
+      add_row(table, entry);
     });
   }
   return table;

@@ -209,7 +209,7 @@ StoredEntries other_entries(const fs::path& path) {
 /// device's frame into the rectified one, in which projection_matrix is K [I | t], t in metres.
 void set_rectified_pose(const StoredEntries& entries, Scanner& scanner) {
   const auto rectified = [&](std::string_view device) {
-    const auto name = [&](const char* of) { return fmt::format("{}{}", device, of); };
+    const auto name = [&](const char* part) { return fmt::format("{}{}", device, part); };
 
     // A fisheye model has other coefficients.
     if (const auto model = entries.find(name("distortion_model")); model != entries.end()) {

@@ -67,9 +67,9 @@ LiveCheck::Suspicion LiveCheck::suspicion(const FrameViews& window) {
   raised[2] = !fit_.no_seam();
 
   // Something covers the projector or the camera, for example.
-  constexpr double much = 0.5;  // of a frame's light since the last good check
+  constexpr double least_light = 0.5;  // of a frame's light since the last good check
   for (std::size_t n = 0; n < right_sums_.size(); ++n) {
-    if (samples_.sums()[n] < much * right_sums_[n]) raised[3] = true;
+    if (samples_.sums()[n] < least_light * right_sums_[n]) raised[3] = true;
   }
 
   return raised;

@@ -95,7 +95,7 @@ std::vector<std::string> CloudSink::news() {
 
 void CloudSink::tell(const std::string& line) {
   const std::lock_guard lock(news_mutex_);
-  if (told_.size() < 64 && told_.insert(line).second) news_.push_back(line);
+  if (reported_.size() < 64 && reported_.insert(line).second) news_.push_back(line);
 }
 
 struct Publisher::Outlet {

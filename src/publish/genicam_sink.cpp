@@ -351,7 +351,7 @@ class GenicamSink final : public CloudSink {
   }
 
   /// Resends at most as many packets per block as it has, so that endless requests are bounded.
-  void send_again(const GigeResend& asked) {
+  void send_again(const GigeResend& request) {
     std::unique_lock lock(mutex_);
     const auto to = control_.stream_target();
     const auto sent = sent_;
@@ -361,10 +361,10 @@ class GenicamSink final : public CloudSink {
 
     std::vector<std::uint8_t> packet;
     for (const auto& each : sent) {
-      if (!each || each->block.number != asked.block) continue;
+      if (!each || each->block.number != request.block) continue;
 
       const std::size_t count = packet_count(each->block);
-      for (std::size_t i = asked.first; i <= asked.last && i < count; ++i) {
+      for (std::size_t i = request.first; i <= request.last && i < count; ++i) {
         if (each->sent_again++ >= count) return;
         write_packet(each->block, i, packet);
         stream_socket_.send(packet, *to);
@@ -372,7 +372,7 @@ class GenicamSink final : public CloudSink {
       return;
     }
 
-    write_missing_packet(asked, packet);
+    write_missing_packet(request, packet);
     stream_socket_.send(packet, *to);
   }
 
@@ -415,10 +415,10 @@ class GenicamSink final : public CloudSink {
     const auto packets = static_cast<double>(count),
                bytes = static_cast<double>(block.packet_bytes);
     const Seconds even = spread * Seconds(stream.period) / packets;
-    const Seconds asked(std::max<Seconds>(
+    const Seconds delay(std::max<Seconds>(
         stream.packet_delay, Seconds(std::clamp(even.count(), bytes / fastest, bytes / slowest))));
     const auto step = std::chrono::duration_cast<std::chrono::nanoseconds>(
-        std::min(asked, longest_block / packets));
+        std::min(delay, longest_block / packets));
 
     auto due = steady_clock::now();
     std::vector<std::uint8_t> packet;

@@ -83,9 +83,9 @@ class Domain {
     require_descriptors(64, "`publish ros2`");
 
     // 1. The domain's number.
-    const std::string asked = variable("ROS_DOMAIN_ID");
-    const auto id = number_in<std::uint32_t>(asked.empty() ? "0" : asked);
-    throw_if(!id || *id > 232, "ROS_DOMAIN_ID is '{}'; expected a number from 0 to 232", asked);
+    const std::string number = variable("ROS_DOMAIN_ID");
+    const auto id = number_in<std::uint32_t>(number.empty() ? "0" : number);
+    throw_if(!id || *id > 232, "ROS_DOMAIN_ID is '{}'; expected a number from 0 to 232", number);
 
     dds_set_log_sink(
         [](void* self, const dds_log_data_t* logged) {
@@ -246,12 +246,12 @@ class Service {
   void answer(const RosMessage& request) try {
     const auto message = std::make_shared<RosMessage>();
 
-    CdrReader asked(request);
+    CdrReader reader(request);
     Cdr answer(*message);
-    answer.add(asked.get<std::uint64_t>());  // the client, over Cyclone DDS
-    answer.add(asked.get<std::int64_t>());   // its number of the request
+    answer.add(reader.get<std::uint64_t>());  // the client, over Cyclone DDS
+    answer.add(reader.get<std::int64_t>());   // its number of the request
 
-    answer_(asked, answer);
+    answer_(reader, answer);
     pad(*message);
     const SharedMessage written = message;
     dds_write(writer_, &written);    // skips clients that no longer listen
@@ -372,11 +372,11 @@ class Ros2Sink final : public DisjointCloudSink {
 
     RosMessage event;
     const std::uint64_t time = world_time(std::chrono::steady_clock::now());
-    if (write_parameter_event(name_, time, told_, now, event)) {
+    if (write_parameter_event(name_, time, published_, now, event)) {
       events_.write([&](RosMessage& message) { message.swap(event); });
     }
 
-    told_ = std::move(now);
+    published_ = std::move(now);
   } catch (const std::exception&) {  // the camera is shutting down or there is no reader: try later
   }
 
@@ -412,21 +412,21 @@ class Ros2Sink final : public DisjointCloudSink {
                       quality(DDS_RELIABILITY_RELIABLE, 1, DDS_DURABILITY_TRANSIENT_LOCAL)};
   std::optional<MessageWriter> transform_;
   std::vector<Service> services_;
-  std::vector<RunSetting> told_;  ///< serving thread only
+  std::vector<RunSetting> published_;  ///< serving thread only
   dds_entity_t waiting_ = 0, wake_ = 0;
   std::atomic<bool> stopping_ = false;
   std::thread thread_;
 };
 
 /// "scanner" from "scanner" or "/scanner"; throws Error for an invalid ROS 2 namespace.
-std::string ros_namespace(const std::string& given) {
+std::string ros_namespace(const std::string& text) {
   static const std::regex form(R"(/?((?!.*__)[A-Za-z_]\w*(/[A-Za-z_]\w*)*))");
   std::smatch found;
-  if (std::regex_match(given, found, form)) return found[1];
+  if (std::regex_match(text, found, form)) return found[1];
   throw Error(
       fmt::format("`publish ros2:{}`: expected a ROS 2 namespace, e.g. ros2:scanner or "
                   "ros2:cell/left: letters, digits and single _, no digit first",
-                  given));
+                  text));
 }
 
 }  // namespace

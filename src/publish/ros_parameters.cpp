@@ -26,8 +26,8 @@ Kind kind_of(const RunSetting& setting) {
   return setting.choices == std::vector<std::string>{"off", "on"} ? Kind::boolean : Kind::text;
 }
 
-/// None while the run cannot tell them, for example while its camera shuts down: a service of ROS 2
-/// has no other answer for that, and without one its client would wait.
+/// Empty while the run cannot read them, for example while its camera shuts down: a service of
+/// ROS 2 has no other answer, and without one its client would wait.
 Settings known_settings(const PublishedRun& run) try {
   return run.settings();
 } catch (const std::exception&) {

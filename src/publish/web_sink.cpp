@@ -79,18 +79,18 @@ class WebSink final : public ServingSink<Connection> {
 
     // Method and path, without the token.
     const std::string_view target = text_of(request.target());
-    const auto asked =
+    const auto method_and_path =
         fmt::format("{} {}", text_of(request.method_string()), target.substr(0, target.find('?')));
 
     try {
       if (const std::string why = refusal(request); !why.empty()) {
         say(response, http::status::forbidden, why + "\n");
         response.keep_alive(false);
-      } else if (full && asked != "GET /health") {
+      } else if (full && method_and_path != "GET /health") {
         tell(fmt::format("at most {} clients at a time; further ones are refused", most_clients));
         say(response, http::status::service_unavailable, "too many clients\n");
       } else {
-        dispatch(asked, request.body(), response);
+        dispatch(method_and_path, request.body(), response);
       }
     } catch (const Error& error) {
       say(response, http::status::bad_request, error.what());
@@ -144,33 +144,33 @@ class WebSink final : public ServingSink<Connection> {
   }
 
   /// Fills the response to an authorised request, e.g. "GET /settings".
-  void dispatch(std::string_view asked, const std::string& body, WebResponse& response) {
+  void dispatch(std::string_view method_and_path, const std::string& body, WebResponse& response) {
     using enum http::status;
 
     // The page, and the tables that it draws with.
-    if (asked == "GET /") {
+    if (method_and_path == "GET /") {
       response.set("Content-Security-Policy", page_rules);
       say(response, ok, std::string(web_page()), "text/html");
-    } else if (asked == "GET /rays") {
+    } else if (method_and_path == "GET /rays") {
       say(response, ok, rays_, "application/octet-stream");
-    } else if (asked == "GET /palette") {
+    } else if (method_and_path == "GET /palette") {
       say(response, ok, web_palette(), "application/octet-stream");
 
       // The state of the run, and changes of it.
-    } else if (asked == "GET /statistics") {
+    } else if (method_and_path == "GET /statistics") {
       say(response, ok, run_.statistics(), "application/json");
-    } else if (asked == "GET /metrics") {
+    } else if (method_and_path == "GET /metrics") {
       say(response, ok, metrics_of(run_.statistics()), "text/plain; version=0.0.4");
-    } else if (asked == "GET /health") {
+    } else if (method_and_path == "GET /health") {
       const std::string trouble = run_.trouble();
       say(response, trouble.empty() ? ok : service_unavailable,
           (trouble.empty() ? "ok" : trouble) + "\n");
-    } else if (asked == "GET /settings") {
+    } else if (method_and_path == "GET /settings") {
       say(response, ok, settings(), "application/json");
-    } else if (asked == "POST /settings") {
+    } else if (method_and_path == "POST /settings") {
       change(body);
       say(response, ok, settings(), "application/json");
-    } else if (asked == "POST /save") {
+    } else if (method_and_path == "POST /save") {
       say(response, ok, run_.save());
     } else {
       say(response, not_found, "no such page\n");

@@ -238,13 +238,13 @@ const FrameViews& Engine::merged(const FrameViews& frames) {
   return memory_->adapt(frames);
 }
 
-ValidityCounts Engine::run(const FrameViews& given, const Outputs& outputs) {
+ValidityCounts Engine::run(const FrameViews& captured, const Outputs& outputs) {
   Memory& memory = *memory_;
   if (outputs.makes_points()) tables_->require_geometry();
 
   // 1. Packed points: the fused pass writes them itself, unless exposures are merged or pixels that
   //    moved must be left out. Otherwise they are packed from a whole cloud.
-  const FrameViews& frames = merged(given);
+  const FrameViews& frames = merged(captured);
   const bool packs = tables_->engine_for(frames) == EngineKind::fused && !frames.merged() &&
                      !tables_->measure_motion;
   Outputs made = outputs;
@@ -408,9 +408,9 @@ double Engine::moving_share(const FrameViews& frames) const {
       tables_->noise_variance_of(frames));
 }
 
-Uncertainty Engine::uncertainty(const Cloud& cloud, const Maps& maps, const FrameViews& given) {
+Uncertainty Engine::uncertainty(const Cloud& cloud, const Maps& maps, const FrameViews& captured) {
   tables_->require_geometry();
-  return uncertainty_of(cloud, maps, tables_->complete, merged(given).full_scale());
+  return uncertainty_of(cloud, maps, tables_->complete, merged(captured).full_scale());
 }
 
 std::string Engine::backend_for(const FrameViews& frames) {

@@ -179,7 +179,7 @@ Image<Validity> judged(const BasicMaps<double>& maps, const Image<Validity>& ord
   //    darker ones confirm it too.
   if (!maps.fringe_order_doubt.empty()) {
     const bool voted = order_source(layout) == OrderSource::neighbours;
-    const Image<std::uint8_t> asked =
+    const Image<std::uint8_t> voters =
         voted ? modulation_mask(maps.modulation, least_neighbour_modulation(settings, full_scale))
               : lit;
 
@@ -187,7 +187,7 @@ Image<Validity> judged(const BasicMaps<double>& maps, const Image<Validity>& ord
     // Of a code only pixels with doubtful bits need neighbours: these may be stripes apart.
     if (layout.unwrapping->whole_stripes) consensus.fewest_neighbours = 0;
 
-    unconfirmed = unconfirmed_fringe_orders(maps.coordinate, maps.fringe_order_doubt, asked,
+    unconfirmed = unconfirmed_fringe_orders(maps.coordinate, maps.fringe_order_doubt, voters,
                                             highest_frequency(layout), consensus);
   }
 
@@ -299,12 +299,12 @@ Image<double> measured_coordinates(Engine& engine, const FrameViews& frames) {
   return measured_coordinates(engine, frames, maps);
 }
 
-Image<double> measured_coordinates(Engine& engine, const FrameViews& given, const Maps& narrow) {
+Image<double> measured_coordinates(Engine& engine, const FrameViews& captured, const Maps& narrow) {
   // As the engine itself sees them: merged frames, and the least modulation that a cue needs.
   EngineSetup setup = engine.setup();
   raise_least_modulation(setup);
   setup.sequence = merged_sequence(std::move(setup.sequence));
-  const FrameViews& frames = engine.merged(given);
+  const FrameViews& frames = engine.merged(captured);
 
   throw_if(narrow.coordinate.empty(),
            "{}: more than one period covers the field, so these frames alone give "

@@ -129,7 +129,7 @@ std::optional<ResponseLinearity> response_linearity(const ScanAverage& scans) {
 
   // Three steps alias the second harmonic onto the first.
   const std::vector<StepRun> runs = step_runs(scans.sequence.strategy.layout());
-  const auto run = std::ranges::find_if(runs, [](const StepRun& of) { return of.steps >= 4; });
+  const auto run = std::ranges::find_if(runs, [](const StepRun& each) { return each.steps >= 4; });
   if (run == runs.end()) return std::nullopt;
 
   const FrameSet frames = scans.frames.mean();

@@ -47,35 +47,35 @@ std::vector<RigMotion> possible_motions() {
   return {
       // A device that turned about its own centre.
       {.unknowns = 3,
-       .apply = [](Scanner& of, const Amounts& by) { of.rotation *= rotation_by(by); },
+       .apply = [](Scanner& scanner, const Amounts& by) { scanner.rotation *= rotation_by(by); },
        .text = text("the camera turned", "degrees")},
       {.unknowns = 3,
        .apply =
-           [](Scanner& of, const Amounts& by) {
-             of.rotation = (rotation_by(by) * of.rotation).eval();
-             of.translation = (rotation_by(by) * of.translation).eval();
+           [](Scanner& scanner, const Amounts& by) {
+             scanner.rotation = (rotation_by(by) * scanner.rotation).eval();
+             scanner.translation = (rotation_by(by) * scanner.translation).eval();
            },
        .text = text("the projector turned", "degrees")},
 
       // Either moved without a turn.
       {.unknowns = 3,
-       .apply = [](Scanner& of, const Amounts& by) { of.translation += by; },
+       .apply = [](Scanner& scanner, const Amounts& by) { scanner.translation += by; },
        .text = text("the camera or the projector moved", "mm or more")},
 
       // A lens was turned.
       {.unknowns = 1,
-       .apply = [](Scanner& of, const Amounts& by) { zoom(of.camera, by.x()); },
+       .apply = [](Scanner& scanner, const Amounts& by) { zoom(scanner.camera, by.x()); },
        .text = text("the camera's focal length changed", "%")},
       {.unknowns = 1,
-       .apply = [](Scanner& of, const Amounts& by) { zoom(of.projector, by.x()); },
+       .apply = [](Scanner& scanner, const Amounts& by) { zoom(scanner.projector, by.x()); },
        .text = text("the projector's focal length changed", "%")},
 
       // A cropped or padded picture.
       {.kind = CauseKind::picture_size,
        .unknowns = 2,
        .apply =
-           [](Scanner& of, const Amounts& by) {
-             of.camera.intrinsic.topRightCorner<2, 1>() += by.head<2>();
+           [](Scanner& scanner, const Amounts& by) {
+             scanner.camera.intrinsic.topRightCorner<2, 1>() += by.head<2>();
            },
        .text =
            [](const Amounts& by) {

@@ -20,9 +20,9 @@ namespace {
 
 template <auto free>
 struct Freed {
-  template <class Thing>
-  void operator()(Thing* thing) const {
-    free(thing);
+  template <class Object>
+  void operator()(Object* object) const {
+    free(object);
   }
 };
 

@@ -61,8 +61,8 @@ class SceneRenderer {
   [[nodiscard]] Range depths() const;
 
   /// Whether points show depth: if requested, or if nothing else is known, as for a plain mesh.
-  [[nodiscard]] bool shows_depths(PointColour asked) const {
-    return asked == PointColour::depth || (values_.high <= 0 && !in_colour_);
+  [[nodiscard]] bool shows_depths(PointColour chosen) const {
+    return chosen == PointColour::depth || (values_.high <= 0 && !in_colour_);
   }
 
   /// Clears the bound framebuffer and draws into a pane of it. `ambient`: ambient light contained

@@ -36,8 +36,8 @@ struct ShownScan {
 
 using Gammas = decltype(ViewSource::gammas);
 
-Gammas gammas_beside(const std::optional<MeasuredResponse>& given) {
-  Gammas choices{{"initial", given}, {"none", std::nullopt}};
+Gammas gammas_beside(const std::optional<MeasuredResponse>& initial) {
+  Gammas choices{{"initial", initial}, {"none", std::nullopt}};
 
   for (const double gamma : {1.4, 1.8, 2.0, 2.2, 2.4}) {
     choices.emplace_back(fmt::format("{:g}", gamma), MeasuredResponse{PowerLaw{gamma}, gamma});

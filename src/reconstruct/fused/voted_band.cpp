@@ -226,18 +226,18 @@ void voted_band(const FusedBand& band) {
 
   // Rows not yet decoded are NaN, so they confirm no pixel.
   block.prepare(band.width());
-  int decoded = within(band.first - Block::seen), asked = within(band.first - Block::voters);
+  int decoded = within(band.first - Block::seen), compared = within(band.first - Block::voters);
   block.clear(decoded - Block::looks_past, decoded);
 
   // A row can be compared once the row below it is decoded.
-  const auto ask_until = [&](int row) {
-    for (; asked < row; ++asked) {
+  const auto compare_until = [&](int row) {
+    for (; compared < row; ++compared) {
       find_disagreeing(band.stages.cue->stage,
                        {.width = band.width(),
-                        .row = asked,
-                        .above = block.coordinates(asked - 1),
-                        .here = block.coordinates(asked),
-                        .below = block.coordinates(asked + 1),
+                        .row = compared,
+                        .above = block.coordinates(compared - 1),
+                        .here = block.coordinates(compared),
+                        .below = block.coordinates(compared + 1),
                         .far_above = block.far_above.data()},
                        block.disagreeing);
     }
@@ -259,10 +259,10 @@ void voted_band(const FusedBand& band) {
     // 2. Decode the rows that the vote needs, and find the pixels in dispute.
     for (; decoded < within(end + Block::seen); ++decoded) {
       decode_with_cue(band, decoded);
-      ask_until(std::min(decoded, within(end + Block::voters)));
+      compare_until(std::min(decoded, within(end + Block::voters)));
     }
     block.clear(decoded, decoded + Block::looks_past);
-    ask_until(within(end + Block::voters));
+    compare_until(within(end + Block::voters));
 
     // 3. Vote, and turn the block's rows into points.
     vote(band, begin, end);

@@ -132,11 +132,11 @@ void write_preview_of_maps(const fs::path& path, const Image<Validity>& validity
 }  // namespace
 
 std::vector<std::pair<const char*, std::string>> ResultFiles::named() const {
-  std::vector<std::pair<const char*, std::string>> asked;
+  std::vector<std::pair<const char*, std::string>> files;
   for (const auto& [name, path, map] : all_files) {
-    if (!(this->*path).empty()) asked.emplace_back(name, this->*path);
+    if (!(this->*path).empty()) files.emplace_back(name, this->*path);
   }
-  return asked;
+  return files;
 }
 
 std::vector<std::string> ResultFiles::written() const {
@@ -275,7 +275,9 @@ void DistinctFiles::add_input(const fs::path& path, int levels) {
   // Every file that the scan reads is an input.
   for (const fs::path& frame : scan.frames) inputs_.insert(identity(file_of_page(frame)));
   if (scan.white) inputs_.insert(identity(*scan.white));
-  if (scan.colour_scanner) inputs_.insert(identity(*scan.colour_scanner));
+  if (scan.colour_scanner) {
+    for (const fs::path& file : scanner_files(*scan.colour_scanner)) add_input(file);
+  }
   for (const fs::path& picture : scan.colour) inputs_.insert(identity(picture));
   if (scan.scanner) add_scanner(*scan.scanner);
   for (const fs::path& camera : scan.further_cameras) add_input(camera);

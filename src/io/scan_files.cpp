@@ -256,6 +256,13 @@ ScanFiles folder_files(const fs::path& path) {
   return {.path = path, .frames = std::move(frames)};
 }
 
+/// A scanner's files: one or two, or those of a folder of matrices.
+void add_scanner_files(const std::optional<fs::path>& scanner, std::vector<fs::path>& files) {
+  if (!scanner) return;
+  const auto parts = has_matrices(*scanner) ? matrix_files(*scanner) : scanner_files(*scanner);
+  files.insert(files.end(), parts.begin(), parts.end());
+}
+
 }  // namespace
 
 ListedFolder listed_folder(const fs::path& path) {
@@ -417,7 +424,7 @@ fs::path path_named_by_time(const fs::path& parent, std::string_view what,
 }
 
 std::uint32_t checksum_of(const ScanFiles& scan) {
-  // The first of further cameras alone, as in the manifests of earlier versions.
+  // A single further camera counts as in the manifests of earlier versions.
   std::uint32_t sum = 0;
   for (std::size_t i = scan.further_cameras.size(); i > 0; --i) {
     sum = std::rotl(sum, 1) ^ checksum_of(scan_files_in(scan.further_cameras[i - 1]));
@@ -438,14 +445,10 @@ std::uint32_t checksum_of(const ScanFiles& scan) {
   }
 
   if (scan.white) files.push_back(*scan.white);
-  if (scan.colour_scanner) files.push_back(*scan.colour_scanner);
+  add_scanner_files(scan.colour_scanner, files);
   files.insert(files.end(), scan.colour.begin(), scan.colour.end());
   if (fs::exists(scan.path / "scan.yaml")) files.push_back(scan.path / "scan.yaml");
-  if (scan.scanner) {
-    const auto parts =
-        has_matrices(*scan.scanner) ? matrix_files(*scan.scanner) : scanner_files(*scan.scanner);
-    files.insert(files.end(), parts.begin(), parts.end());
-  }
+  add_scanner_files(scan.scanner, files);
 
   for (const fs::path& file : files) {  // of recordings the header
     sum = scan.recording && file == scan.path ? scan.recording->checksum(0, 0, sum)

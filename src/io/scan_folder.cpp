@@ -222,7 +222,8 @@ ScanFiles files_from(const YamlMap& map, const fs::path& folder) {
     if (!map.has(key)) continue;
     const fs::path path = map.value<std::string>(key, wanted);
     // A scanner may be two files, separated by a comma.
-    scan.*file = file == &ScanFiles::scanner ? scanner_in(folder, path) : folder / path;
+    const bool is_scanner = file == &ScanFiles::scanner || file == &ScanFiles::colour_scanner;
+    scan.*file = is_scanner ? scanner_in(folder, path) : folder / path;
   }
 
   return scan;

@@ -36,8 +36,9 @@ struct ChosenExposures {
 
 /// Chooses exposures from a few scans: shorter and longer ones until the brightest pixels are not
 /// saturated and longer ones show no more. `take`: the frames of one scan with that exposure.
-/// `goes_on`: false once the time for it is over; the first scan is taken anyway. Throws Error if
-/// no exposure shows the patterns, and as `take` does.
+/// `needs`: `limits` replaces its shortest and longest exposure. `goes_on`: false once the time for
+/// it is over; the first scan is taken anyway. Throws Error if no exposure shows the patterns, and
+/// as `take` does.
 ChosenExposures choose_exposures(const std::function<FrameSet(double exposure)>& take,
                                  const Sequence& sequence, const ExposureLimits& limits,
                                  ExposureNeeds needs, const std::function<bool()>& goes_on);

@@ -173,8 +173,17 @@ Image<std::uint8_t> saturation_mask(const FrameViews& frames) {
   Image<std::uint8_t> mask(frames.size());
   if (!frames.quantised()) return mask;
 
-  for_each_level(frames, [&](double level, int column, int row) {
-    if (level >= frames.saturation()) mask(column, row) = 1;
+  // In the frames' own numbers, many at a time.
+  frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
+    const auto saturation = static_cast<Pixel>(frames.saturation());
+    for (const ImageView<const Pixel>& view : views) {
+      for (int row = 0; row < mask.height(); ++row) {
+        std::transform(view.row(row), view.row(row) + view.width(), mask.row(row), mask.row(row),
+                       [&](Pixel level, std::uint8_t before) -> std::uint8_t {
+                         return level >= saturation ? 1 : before;
+                       });
+      }
+    }
   });
 
   return mask;

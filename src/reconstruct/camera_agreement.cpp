@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <map>
 #include <optional>
 #include <vector>
 
 #include "base/numbers.h"
 #include "decode/surface_orders.h"
+#include "reconstruct/fused/match_rows.h"
 
 namespace slipstream {
 namespace {
@@ -88,30 +88,32 @@ class Agreement {
     const auto [low, high] =
         std::ranges::minmax_element(surface.pixels, {}, &SurfaceSample::Pixel::order);
 
-    // All shifts that keep at least one pixel's order inside the field.
+    // 1. The pixels' points with all shifts that keep at least one pixel's order inside the field.
+    const int first = -high->order, last = static_cast<int>(std::ceil(periods_)) - low->order;
+    PointPhases points{.step = static_cast<float>(1 / periods_), .points = last - first + 1};
+    for (const auto& [column, row, order] : surface.pixels) {
+      const double turns = (phase_(column, row) + phase_shift) / two_pi;
+      points.pixels.push_back(row * phase_.width() + column);
+      points.coordinates.push_back(static_cast<float>((turns + order + first) / periods_));
+    }
+    compare_phases(tables_.lines(), first_, second_, set_, false, points);
+
+    // 2. The mean misfit of each shift.
     Fit best;
-    const int last = static_cast<int>(std::ceil(periods_)) - low->order;
-    for (int shift = -high->order; shift <= last; ++shift) {
-      std::complex<double> sum = 0;
+    const float* apart = points.apart.data();
+    for (int shift = first; shift <= last; ++shift, apart += points.pixels.size()) {
+      double sum = 0;
       int seen = 0;
-      for (const SurfaceSample::Pixel& pixel : surface.pixels) {
-        const auto w = inverse_depth(pixel, shift, phase_shift);
-        if (!w) continue;
-
-        const Phasor other =
-            near_phasor(second_, second_.bands[0], tables_.place(pixel.column, pixel.row, *w));
-        const Phasor own = first_.bands[0](pixel.column, pixel.row);
-        if (other == Phasor(0) || own == Phasor(0)) continue;
-
-        // Unit phasors of the phase difference: only the angle counts, not the modulation.
-        const Phasor apart = other * std::conj(own);
-        sum += apart / std::sqrt(std::norm(apart));
+      for (std::size_t i = 0; i < surface.pixels.size(); ++i) {
+        const double y = points.coordinates[i] + (shift - first) / periods_;
+        if (y < 0 || y > 1 || std::isnan(apart[i])) continue;
+        sum += apart[i];
         ++seen;
       }
 
       if (2 * seen < static_cast<int>(surface.pixels.size())) continue;
 
-      const double misfit = 1 - sum.real() / seen;
+      const double misfit = sum / seen;
       if (misfit < best.misfit) {
         best = {.shift = shift, .misfit = misfit, .next = best.misfit};
       } else {

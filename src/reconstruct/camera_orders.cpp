@@ -12,6 +12,7 @@
 #include "base/parallel_rows.h"
 #include "decode/band_unwrapper.h"
 #include "geometry/stripe_geometry.h"
+#include "reconstruct/fused/match_rows.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {
@@ -259,29 +260,30 @@ void CameraOrders::find_candidates(const CameraPhases& camera, const Image<float
 void CameraOrders::vote(const CameraPhases& camera, const Image<float>& phase,
                         const CameraPhases& other) {
   const std::size_t size = phase.pixel_count() * static_cast<std::size_t>(candidates_.most);
-  votes_.assign(size, 0);
-  summed_.assign(size, 0);
+  votes_.resize(size);
+  summed_.resize(size);
 
-  for_each_pixel(phase.size(), [&](int column, int row) {
-    const int count = candidates_.count(column, row);
-    const Phasor reference = std::conj(camera.bands[0](column, row));
-    for (int k = 0; k < count; ++k) {
-      // The candidate's point, if it lies in the depth range.
-      const auto y = static_cast<float>(
-          unwrapped_coordinate(phase(column, row), candidates_.first(column, row) + k, periods_));
-      const float w = tables_.inverse_depth(column, row, y);
-      if (!(w > 0)) continue;
-      const float depth = of_other_ ? tables_.other_depth(column, row, w) : 1 / w;
-      if (!(depth > depths_.nearest && depth < depths_.farthest)) continue;
+  for_each_row(phase.height(), [&](int row) {
+    // 1. The first candidates of a row's pixels.
+    PointPhases points{.step = 1 / periods_, .points = candidates_.most};
+    std::vector<int> columns;
+    for (int column = 0; column < phase.width(); ++column) {
+      if (candidates_.count(column, row) == 0) continue;
+      columns.push_back(column);
+      points.pixels.push_back(row * phase.width() + column);
+      points.coordinates.push_back(static_cast<float>(
+          unwrapped_coordinate(phase(column, row), candidates_.first(column, row), periods_)));
+    }
 
-      // The phase that the other camera sees there, minus the pixel's own.
-      const Phasor seen = near_phasor(other, other.bands[0], tables_.place(column, row, w));
-      if (seen == Phasor(0) || reference == Phasor(0)) continue;
-      const Phasor turned = seen * reference;
-
-      const float apart = 1 - turned.real() / std::sqrt(std::norm(turned));
-      votes_[at(column, row) + static_cast<std::size_t>(k)] =
-          one_pixel + static_cast<std::uint32_t>(apart / vote_step);
+    // 2. A vote of each candidate that the other camera sees in the depth range.
+    compare_phases(tables_.lines(), camera, other, depths_, of_other_, points);
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      std::uint32_t* const votes = votes_.data() + at(columns[i], row);
+      for (int k = 0; k < candidates_.count(columns[i], row); ++k) {
+        const float apart = points.apart[static_cast<std::size_t>(k) * points.pixels.size() + i];
+        votes[k] =
+            std::isnan(apart) ? 0 : one_pixel + static_cast<std::uint32_t>(apart / vote_step);
+      }
     }
   });
 }

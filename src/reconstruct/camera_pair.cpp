@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "base/throw_if-inl.h"
+#include "reconstruct/fused/rows.h"
 
 namespace slipstream {
 
@@ -18,6 +19,12 @@ void require_pair(const Scanner& first, const Scanner& second, const PhaseMatchS
             first.rotation.transpose() * second.rotation * projector_centre(second))
                    .norm() < 1e-9,
            "the two cameras are in the same place and measure no depth; check their translations");
+
+  for (const Scanner* const scanner : {&first, &second}) {
+    const Size size = scanner->camera.size;
+    throw_if(size.width * size.height < least_row_width,
+             "pictures of {} are too small to be matched", text_of(size));
+  }
 
   throw_if(match.window < 0 || match.window > 100,
            "match window {} is out of range; 0 to 100 pixels", match.window);

@@ -7,8 +7,8 @@
 // Requirements of two cameras that see one projector.
 namespace slipstream {
 
-/// Throws Error if a scanner or the setting is invalid, the projectors differ, or the cameras are
-/// in the same place.
+/// Throws Error if a scanner or the setting is invalid, the projectors differ, the cameras are in
+/// the same place, or their pictures have fewer than 16 pixels.
 void require_pair(const Scanner& first, const Scanner& second, const PhaseMatchSettings& match);
 
 /// Throws Error unless the frames have the size of the camera that `which` names.

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 
-#include "base/numbers.h"
 #include "base/parallel_rows.h"
 #include "decode/phase_decoder.h"
 #include "reconstruct/engine_setup.h"
@@ -42,8 +41,8 @@ PhaseReader::PhaseReader(const EngineSetup& setup)
               setup_.settings.phase_method),
       order_(coarse_to_fine(decode_.layout())) {}
 
-void PhaseReader::operator()(const FrameViews& given, CameraPhases& to) {
-  const FrameViews& frames = maps_.merged(given);
+void PhaseReader::operator()(const FrameViews& captured, CameraPhases& to) {
+  const FrameViews& frames = maps_.merged(captured);
 
   // 1. Phasors of the bands, maps, and which pixels are valid.
   read_bands(frames, to);
@@ -56,7 +55,7 @@ void PhaseReader::operator()(const FrameViews& given, CameraPhases& to) {
 
   // 2. Which places between pixels can be interpolated: those with four valid pixels around them.
   const Size size = frames.size();
-  if (to.surrounded.size() != size) to.surrounded = Image<std::uint8_t>(size);
+  if (to.surrounded.size() != size) to.surrounded = Image<std::int32_t>(size);
   for_each_row(size.height - 1, [&](int row) {
     const Validity *const here = to.validity.row(row), *const below = to.validity.row(row + 1);
 
@@ -64,7 +63,7 @@ void PhaseReader::operator()(const FrameViews& given, CameraPhases& to) {
       return here[column] == Validity::valid && below[column] == Validity::valid;
     };
 
-    std::uint8_t* const inside = to.surrounded.row(row);
+    std::int32_t* const inside = to.surrounded.row(row);
     for (int column = 0; column + 1 < size.width; ++column) {
       inside[column] = is_valid(column) && is_valid(column + 1) ? 1 : 0;
     }
@@ -114,21 +113,11 @@ void PhaseReader::read_bands(const FrameViews& frames, CameraPhases& to) const {
 /// The maps of a single band, without a coordinate.
 void PhaseReader::read_maps(const FrameViews& frames, CameraPhases& to) const {
   const Image<Phasor>& band = to.bands.front();
-  const Size size = frames.size();
   for (Image<float>* const map : {&to.maps.modulation, &to.maps.wrapped_phase}) {
-    if (map->size() != size) *map = Image<float>(size);
+    if (map->size() != band.size()) *map = Image<float>(band.size());
   }
 
-  for_each_row(size.height, [&](int row) {
-    for (int column = 0; column < size.width; ++column) {
-      const Phasor phasor = band(column, row);
-      to.maps.modulation(column, row) = std::sqrt(std::norm(phasor));
-
-      const float phi = std::arg(phasor);
-      to.maps.wrapped_phase(column, row) = phi < 0 ? phi + static_cast<float>(two_pi) : phi;
-    }
-  });
-
+  polar_pixels(band, to.maps.modulation, to.maps.wrapped_phase);
   convert(weighted_sum(frames, decode_.layout().bands.front().mean), to.maps.mean);
 }
 

@@ -22,7 +22,7 @@ struct CameraPhases {
   Image<Validity> validity{};  ///< `too_dark`, `saturated` or `valid`; with a cue as Engine judges
   /// 1 where the pixel and its neighbours to the right, below and between both are valid, so that
   /// places between them can be interpolated.
-  Image<std::uint8_t> surrounded{};
+  Image<std::int32_t> surrounded{};
 };
 
 /// Decodes the frames of one camera after another; reuses its memory and its result's.

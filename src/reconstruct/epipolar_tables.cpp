@@ -18,12 +18,9 @@
 namespace slipstream {
 namespace {
 
-/// Cubic convolution weights (Keys) of the four pixels around a position, `t` past the second.
-std::array<float, 4> cubic_weights(float t) {
-  const float u = 1 - t;
-  return {-0.5F * t * u * u, 1 + t * t * (1.5F * t - 2.5F), 1 + u * u * (1.5F * u - 2.5F),
-          -0.5F * u * t * t};
-}
+using Shift = EpipolarLines::Shift;
+constexpr int terms = EpipolarLines::terms;
+constexpr float least_y = EpipolarLines::least_y;
 
 /// The polynomial depths are exact at every eighth pixel and linear in between.
 constexpr int spacing = 8;
@@ -41,32 +38,34 @@ Scanner at_knots(Scanner scanner) {
 }  // namespace
 
 EpipolarTables::EpipolarTables(const Scanner& camera, const Scanner& other, Axis axis)
-    : scanner_(camera), axis_(axis), rays_(camera.camera.size) {
+    : scanner_(camera), axis_(axis) {
+  lines_.rays = Image<EpipolarLines::Ray>(camera.camera.size);
+
   // 1. From the camera's frame to the other's, by way of the projector's.
   const Eigen::Matrix3d turn = other.rotation.transpose() * camera.rotation;
   turn_ = turn.cast<float>();
-  translation_ =
+  lines_.translation =
       (other.rotation.transpose() * (camera.translation - other.translation)).cast<float>();
 
   // 2. The other camera's lens in float, without the sensor's tilt, which goes with its matrix.
   const auto& coefficients = other.camera.distortion.coefficients;
   std::transform(coefficients.begin(), coefficients.begin() + untilted_coefficient_count,
-                 lens_.begin(), [](double k) { return static_cast<float>(k); });
-  straight_ = other.camera.distortion.is_zero();
-  tilted_ = coefficients[12] != 0 || coefficients[13] != 0;
-  sensor_ =
+                 lines_.lens.begin(), [](double k) { return static_cast<float>(k); });
+  lines_.straight = other.camera.distortion.is_zero();
+  lines_.tilted = coefficients[12] != 0 || coefficients[13] != 0;
+  lines_.sensor =
       (other.camera.intrinsic * sensor_tilt(coefficients[12], coefficients[13])).cast<float>();
 
   fill_shifts(other.camera);
 
   // 3. The rays, in the other camera's frame; solved for each pixel if the table cannot be made.
   const auto rays = ray_table(camera.camera);
-  for_each_pixel(rays_.size(), [&](int column, int row) {
+  for_each_pixel(lines_.rays.size(), [&](int column, int row) {
     const Eigen::Vector3d ray =
         rays ? Eigen::Vector3d(rays->E_x(column, row), rays->E_y(column, row), 1)
              : ray_through(camera.camera, {column, row});
     const Eigen::Vector3f turned = (turn * ray).cast<float>();
-    rays_(column, row).turned = {turned.x(), turned.y(), turned.z()};
+    lines_.rays(column, row).turned = {turned.x(), turned.y(), turned.z()};
   });
 
   fill_depths(Triangulator(at_knots(camera), axis, PointMethod::form1));
@@ -75,7 +74,7 @@ EpipolarTables::EpipolarTables(const Scanner& camera, const Scanner& other, Axis
 /// Fits w by Chebyshev polynomials at the knots.
 void EpipolarTables::fill_depths(const Triangulator& triangulate) {
   // 1. At the knots: w at the Chebyshev nodes, then coefficients, then powers of p.
-  Image<Polynomial> depths(triangulate.scanner().camera.size);
+  Image<std::array<float, terms>> depths(triangulate.scanner().camera.size);
   const Eigen::Matrix<double, terms, terms> to_powers =
       chebyshev_coefficients<terms>().transpose() * chebyshev_transform<terms>();
 
@@ -90,14 +89,14 @@ void EpipolarTables::fill_depths(const Triangulator& triangulate) {
   });
 
   // 2. Between the knots: bilinear interpolation of the coefficients.
-  for_each_pixel(rays_.size(), [&](int column, int row) {
+  for_each_pixel(lines_.rays.size(), [&](int column, int row) {
     const int i = column / spacing, j = row / spacing;
     const float right = static_cast<float>(column % spacing) / spacing;
     const float down = static_cast<float>(row % spacing) / spacing;
     for (int k = 0; k < terms; ++k) {
       const float above = std::lerp(depths(i, j)[k], depths(i + 1, j)[k], right);
       const float below = std::lerp(depths(i, j + 1)[k], depths(i + 1, j + 1)[k], right);
-      rays_(column, row).depth[k] = std::lerp(above, below, down);
+      lines_.rays(column, row).depth[k] = std::lerp(above, below, down);
     }
   });
 }
@@ -105,59 +104,22 @@ void EpipolarTables::fill_depths(const Triangulator& triangulate) {
 void EpipolarTables::fill_shifts(const Lens& other) {
   if (other.residual.terms.empty()) return;
 
-  shifts_ = Image<Shift>(other.size);
-  for_each_pixel(shifts_.size(), [&](int column, int row) {
+  lines_.shifts = Image<Shift>(other.size);
+  for_each_pixel(lines_.shifts.size(), [&](int column, int row) {
     const Eigen::Vector2d ideal(column, row);
     const Eigen::Vector2d shift = shifted_by(other.residual, ideal) - ideal;
-    shifts_(column, row) = {static_cast<float>(shift.x()), static_cast<float>(shift.y())};
+    lines_.shifts(column, row) = {static_cast<float>(shift.x()), static_cast<float>(shift.y())};
   });
 }
 
-/// Bilinear interpolation; beyond the picture the shift of its rim.
-Eigen::Vector2f EpipolarTables::shift_near(const Eigen::Vector2f& ideal) const {
-  // 1. The place within the picture; in this order NaN becomes 0.
-  const int last_column = shifts_.width() - 1, last_row = shifts_.height() - 1;
-  const float x = std::min(std::max(0.0F, ideal.x()), static_cast<float>(last_column));
-  const float y = std::min(std::max(0.0F, ideal.y()), static_cast<float>(last_row));
-
-  // 2. The four pixels around it.
-  const int left = static_cast<int>(x), top = static_cast<int>(y);
-  const int right = std::min(left + 1, last_column), bottom = std::min(top + 1, last_row);
-  const auto at = [&](int column, int row) {
-    const Shift& shift = shifts_(column, row);
-    return Eigen::Vector2f(shift.x, shift.y);
-  };
-
-  // 3. Across, then down.
-  const float across = x - static_cast<float>(left), down = y - static_cast<float>(top);
-  const Eigen::Vector2f above = (1 - across) * at(left, top) + across * at(right, top);
-  const Eigen::Vector2f below = (1 - across) * at(left, bottom) + across * at(right, bottom);
-  return (1 - down) * above + down * below;
-}
-
 float EpipolarTables::inverse_depth(int column, int row, float y) const {
-  const Polynomial& depth = rays_(column, row).depth;
+  const auto& depth = lines_.rays(column, row).depth;
   const float p = (y - 0.5F) / (0.5F - least_y);
 
   // Horner's scheme.
   float w = depth[terms - 1];
   for (int k = terms - 2; k >= 0; --k) w = w * p + depth[k];
   return w;
-}
-
-Eigen::Vector2f EpipolarTables::place(int column, int row, float w) const {
-  constexpr float none = std::numeric_limits<float>::quiet_NaN();
-  const Eigen::Vector3f point = turned(column, row) + w * translation_;
-  if (!(point.z() > 0)) return {none, none};
-
-  // The direction, bent by the lens, on the sensor, which may be tilted.
-  Eigen::Vector2f bent = point.head<2>() / point.z();
-  if (!straight_) bent = distort_untilted<float>(lens_.data(), bent);
-  const Eigen::Vector3f pixel = sensor_ * bent.homogeneous();
-  const Eigen::Vector2f ideal =
-      tilted_ ? Eigen::Vector2f(pixel.hnormalized()) : Eigen::Vector2f(pixel.head<2>());
-  if (shifts_.empty()) return ideal;
-  return ideal + shift_near(ideal);
 }
 
 double EpipolarTables::coordinate_at(int column, int row, double w) const {
@@ -168,33 +130,6 @@ double EpipolarTables::coordinate_at(int column, int row, double w) const {
 
   const Lens& projector = scanner_.projector;
   return coordinate_along(axis_, project(projector, point), projector.size);
-}
-
-Phasor phasor_at(const CameraPhases& camera, const Image<Phasor>& band, const Eigen::Vector2f& at) {
-  // The cubic needs a further pixel on every side.
-  if (!(at.x() >= 1 && at.y() >= 1 && at.x() < static_cast<float>(band.width() - 2) &&
-        at.y() < static_cast<float>(band.height() - 2))) {
-    return 0;
-  }
-
-  const int left = static_cast<int>(at.x()), top = static_cast<int>(at.y());
-  if (camera.surrounded(left, top) == 0) return 0;
-  const auto across = cubic_weights(at.x() - static_cast<float>(left));
-  const auto down = cubic_weights(at.y() - static_cast<float>(top));
-
-  // First down the four rows, eight numbers at a time, then across.
-  std::array<float, 8> sums{};
-  for (int j = 0; j < 4; ++j) {
-    const auto* const row = reinterpret_cast<const float*>(band.row(top - 1 + j) + left - 1);
-    for (int i = 0; i < 8; ++i) sums[i] += down[j] * row[i];
-  }
-
-  float C = 0, S = 0;
-  for (int i = 0; i < 4; ++i) {
-    C += across[i] * sums[2 * i];
-    S += across[i] * sums[2 * i + 1];
-  }
-  return {C, S};
 }
 
 Phasor near_phasor(const CameraPhases& camera, const Image<Phasor>& band,

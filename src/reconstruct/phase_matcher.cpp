@@ -14,8 +14,8 @@
 #include "reconstruct/camera_orders.h"
 #include "reconstruct/camera_pair.h"
 #include "reconstruct/engine_setup.h"
-#include "reconstruct/epipolar_search.h"
 #include "reconstruct/fused/fused_engine.h"
+#include "reconstruct/fused/match_rows.h"
 #include "reconstruct/fused/pair_rows.h"
 #include "slipstream/unwrapping.h"
 
@@ -237,86 +237,83 @@ void PhaseMatcher::search_orders() {
   memory.coordinates[1] = (*memory.back_orders)(second, memory.wrapped[1], first);
 }
 
-/// A match of a pixel of the first camera, which no test contradicts.
-struct PhaseMatcher::CertainMatch {
-  float inverse_depth, weight, pixel_step;  ///< see MatchedRows
-};
-
 const Image<float>& PhaseMatcher::coordinates(int camera) const {
   return tables_->searches ? memory_->coordinates[camera] : memory_->phases[camera].maps.coordinate;
-}
-
-/// Whether the second camera finds the same point: where the right place is hidden from it, a wrong
-/// one may match by chance, but not both ways.
-bool PhaseMatcher::is_seen_from_second(const Eigen::Vector2f& at, float y) const {
-  const float other =
-      coordinates(1)(static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y())));
-  return std::abs(other - y) < static_cast<float>(tables_->period) / 2;
 }
 
 /// Whether the phases along the other axis agree.
 bool PhaseMatcher::agrees_across(int column, int row, const Eigen::Vector2f& at) const {
   constexpr float most = 1;  // rad; a calibration may be off by a pixel
   const auto& [first, second] = memory_->others;
-  const EpipolarSearch across(tables_->there, first, second, column, row);
   if (first.validity(column, row) != Validity::valid) return false;
-  return std::abs(across.near_difference(first.bands.size() - 1, at)) < most;
+
+  const Phasor seen = near_phasor(second, second.bands.back(), at);
+  const Phasor apart = seen * std::conj(first.bands.back()(column, row));
+  return seen != Phasor(0) && std::abs(std::arg(apart)) < most;
 }
 
-/// The match of a pixel of the first camera; nullopt if it is not certain.
-std::optional<PhaseMatcher::CertainMatch> PhaseMatcher::certain_match(int column, int row) const {
+/// Whether no test contradicts a match.
+bool PhaseMatcher::is_certain(const PixelMatches& matches, std::size_t k) const {
   const Tables& tables = *tables_;
-  const CameraPhases &first = memory_->phases[0], &second = memory_->phases[1];
+  const float w = matches.w[k], y = matches.coordinates[k], slope = matches.slope[k];
+  if (!(w > 0) || !std::isfinite(slope) || slope == 0) return false;
 
-  // 1. The guess: inverse depth by the projector coordinate.
-  if (first.validity(column, row) != Validity::valid) return std::nullopt;
-  if (!tables.there.has_ray(column, row)) return std::nullopt;
-  const float y = coordinates(0)(column, row);
-  const float guess = tables.there.inverse_depth(column, row, y);
-  if (!(guess > 0)) return std::nullopt;
+  const int width = tables.there.size().width;
+  const int column = matches.pixels[k] % width, row = matches.pixels[k] / width;
+  const Eigen::Vector2f at(matches.x[k], matches.y[k]);
 
-  // 2. The match, and the slope of its phase along the epipolar line.
-  const EpipolarSearch line(tables.there, first, second, column, row);
-  const EpipolarMatch match = match_pixel(line, guess, tables.bands);
-  if (!match.is_found()) return std::nullopt;
-  if (!std::isfinite(match.slope) || match.slope == 0) return std::nullopt;
-
-  // 3. Where the order is uncertain, the match must be nearer to the guess than a quarter of a
-  //    period, and the second camera must find the same point. With frames along the other axis,
-  //    their phases must agree too.
+  // 1. Where the order is uncertain, the match must be nearer to the guess than a quarter of a
+  //    period, and the second camera must find the same point: where the right place is hidden from
+  //    it, a wrong one may match by chance, but not both ways.
   if (tables.searches || !tables.by_bands) {
-    const float quarter = static_cast<float>(tables.period) / 4;
-    const float beside = tables.there.inverse_depth(column, row, y + quarter);
-    if (!(std::abs(match.w - guess) < std::abs(beside - guess))) return std::nullopt;
-    if (!is_seen_from_second(match.at, y)) return std::nullopt;
-  }
-  if (memory_->has_others && !agrees_across(column, row, match.at)) return std::nullopt;
+    const auto period = static_cast<float>(tables.period);
+    const float guess = tables.there.inverse_depth(column, row, y);
+    const float beside = tables.there.inverse_depth(column, row, y + period / 4);
+    if (!(std::abs(w - guess) < std::abs(beside - guess))) return false;
 
-  // Phase noise is proportional to 1 / B, and noise of w is phase noise divided by the slope.
-  return CertainMatch{.inverse_depth = match.w,
-                      .weight = match.slope * match.slope * std::norm(first.bands.back()(column, row)),
-                      .pixel_step = 1 / match.direction.norm()};
+    const float seen =
+        coordinates(1)(static_cast<int>(at.x() + 0.5F), static_cast<int>(at.y() + 0.5F));
+    if (!(std::abs(seen - y) < period / 2)) return false;
+  }
+
+  // 2. With frames along the other axis, their phases must agree too.
+  return !memory_->has_others || agrees_across(column, row, at);
 }
 
 /// Matches all pixels of the first camera, leaving out matches that are not certain.
 void PhaseMatcher::match_rows() {
+  const Tables& tables = *tables_;
   Memory& memory = *memory_;
-  const Size size = memory.phases[0].validity.size();
+  const CameraPhases& first = memory.phases[0];
+  const Size size = first.validity.size();
 
   for_each_row(size.height, [&](int row) {
-    // Rows of the maps, past their further columns.
-    const int side = tables_->side();
+    // 1. The row's valid pixels, and where the projector's light was.
+    PixelMatches matches;
+    for (int column = 0; column < size.width; ++column) {
+      if (first.validity(column, row) != Validity::valid) continue;
+      matches.pixels.push_back(row * size.width + column);
+      matches.coordinates.push_back(coordinates(0)(column, row));
+    }
+    const std::size_t count = matches.pixels.size();
+    match_pixels(tables.there.lines(), first, memory.phases[1], tables.bands, matches);
+
+    // 2. Rows of the maps, past their further columns.
+    const int side = tables.side();
     float* const depths = memory.inverse_depth.row(row) + side;
     float* const weights = memory.weight.row(row) + side;
     float* const steps = memory.pixel_step.row(row) + side;
 
-    for (int column = 0; column < size.width; ++column) {
-      const std::optional<CertainMatch> match = certain_match(column, row);
-      depths[column] = match ? match->inverse_depth : std::numeric_limits<float>::quiet_NaN();
-      if (!match) continue;
+    std::fill_n(depths, size.width, std::numeric_limits<float>::quiet_NaN());
+    for (std::size_t k = 0; k < count; ++k) {
+      if (!is_certain(matches, k)) continue;
 
-      weights[column] = match->weight;
-      steps[column] = match->pixel_step;
+      // Phase noise is proportional to 1 / B, and noise of w is phase noise divided by the slope.
+      const int pixel = matches.pixels[k], column = pixel - row * size.width;
+      depths[column] = matches.w[k];
+      weights[column] =
+          matches.slope[k] * matches.slope[k] * std::norm(first.bands.back().begin()[pixel]);
+      steps[column] = 1 / matches.speed[k];
     }
   });
 }

@@ -9,6 +9,8 @@
 
 namespace slipstream {
 
+struct PixelMatches;
+
 struct PhaseMatchSettings {
   /// Half width, pixels of the first camera, of the window in which a plane is fitted to the
   /// matches, weighted by the slope of the phase, which gamma flattens in places. 0: no fit.
@@ -75,10 +77,8 @@ class PhaseMatcher {
 
   /// Projector coordinates that camera 0 or 1 uses.
   [[nodiscard]] const Image<float>& coordinates(int camera) const;
-  [[nodiscard]] bool is_seen_from_second(const Eigen::Vector2f& at, float y) const;
   [[nodiscard]] bool agrees_across(int column, int row, const Eigen::Vector2f& at) const;
-  struct CertainMatch;
-  [[nodiscard]] std::optional<CertainMatch> certain_match(int column, int row) const;
+  [[nodiscard]] bool is_certain(const PixelMatches& matches, std::size_t k) const;
   void match_rows();
 
   [[nodiscard]] double remaining_phase_shift() const;

@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "geometry/lens_residual.h"
-#include "reconstruct/epipolar_tables.h"
 #include "slipstream/engine.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/virtual_world.h"
@@ -91,35 +90,6 @@ TEST(LensResidualEngines, SayThatAProjectorBendsTooMuchForItsMap) {
   std::string why_not;
   EXPECT_FALSE(FusedEngine::make({bent, sequence, {}}, {}, &why_not));
   EXPECT_EQ(why_not, "the projector's lens bends too much for its residual map");
-}
-
-// Tables hold the second camera's map by pixel; its exact shift needs an iteration.
-TEST(LensResidualEngines, PlacePointsInASecondCamera) {
-  constexpr double depth = 500;
-  const Scanner first = mapped_scanner(4, 2);
-  Scanner second = second_scanner(first);
-  second.camera.residual = random_residual(second.camera.size, 4, 3);
-  const Size picture = second.camera.size;
-
-  const EpipolarTables tables(first, second, Axis::x);
-  int seen = 0;
-  double worst = 0;
-  for_each_pixel_in_order(tables.size(), [&](int column, int row) {
-    const Eigen::Vector3d point = depth * ray_through(first.camera, {column, row});
-    const Eigen::Vector3d from_second =
-        second.rotation.transpose() * (in_projector_frame(first, point) - second.translation);
-    const Eigen::Vector2d exact = project(second.camera, from_second);
-    const bool is_inside =
-        exact.minCoeff() >= 1 && exact.x() <= picture.width - 2 && exact.y() <= picture.height - 2;
-    if (!is_inside) return;  // beyond its rim the table has the rim's shift
-
-    const auto w = static_cast<float>(1 / depth);
-    const Eigen::Vector2d placed = tables.place(column, row, w).cast<double>();
-    worst = std::max(worst, (placed - exact).norm());
-    ++seen;
-  });
-  EXPECT_GT(seen, 1000);
-  EXPECT_LT(worst, 0.01);
 }
 
 }  // namespace slipstream::lens_residual_engines_test

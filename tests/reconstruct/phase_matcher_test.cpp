@@ -1,9 +1,12 @@
 #include "reconstruct/phase_matcher.h"
 
+#include <array>
 #include <cmath>
+#include <string>
 
 #include <gtest/gtest.h>
 
+#include "bench/vector_target.h"
 #include "slipstream/engine.h"
 #include "slipstream/error.h"
 #include "slipstream/named_scenes.h"
@@ -18,8 +21,11 @@ constexpr Size camera{320, 240};
 
 /// A scene as both cameras look at it, traced once.
 struct Pair {
-  explicit Pair(const char* scene_name, Size camera)
-      : first(example_scanner(camera)), second(second_scanner(first)) {
+  Pair(const char* scene_name, Size camera)
+      : Pair(scene_name, example_scanner(camera), second_scanner(example_scanner(camera))) {}
+
+  Pair(const char* scene_name, const Scanner& one, const Scanner& other)
+      : first(one), second(other) {
     const Scene scene = scene_named(scene_name, first);
     const PatternSet patterns = pattern_set(DualFrequency{}, Axis::x);
     first_scan = take_scan(first, scene, patterns);
@@ -178,6 +184,29 @@ INSTANTIATE_TEST_SUITE_P(Scenes, PhaseMatcherEveryPair,
                            std::erase(name, '-');
                            return name;
                          });
+
+TEST(PhaseMatcher, MatchesThroughABentLensOnEveryVectorTarget) {
+  const Scanner first = example_scanner({160, 120});
+  Scanner second = second_scanner(first);
+  second.camera.distortion = make_distortion(std::array{-0.07, -0.18, 2e-3, 6e-3, 0.4, 0.1, -0.2,
+                                                        0.3, 1e-2, -2e-2, 5e-3, 1e-2, 0.02, -0.03});
+  second.camera.residual = {.centre = {80, 60}, .half = {80, 60}};
+  second.camera.residual.terms = {{0.8, -0.9}, {0.7, 0.6}, {-0.5, 0.9}};
+  const Pair board("board", first, second);
+
+  std::size_t most = 0;
+  for (const std::string& target : vector_targets()) {
+    const OnlyVectorTarget only(target);
+    const Cloud cloud =
+        board.matched(DualFrequency{}, {.ambient = 5, .noise_variance = 1.55, .bits = 8});
+    const DepthError error = error_of(cloud, board.first_scan.depth);
+    EXPECT_GT(error.points, 15000) << target;
+    EXPECT_LT(error.rms, 0.2) << target;
+
+    if (most == 0) most = point_count(cloud);
+    EXPECT_NEAR(static_cast<double>(point_count(cloud)), static_cast<double>(most), 2) << target;
+  }
+}
 
 TEST(PhaseMatcher, TakesPicturesNarrowerThanAVectorAndWithoutBits) {
   for (const auto& [size, bits] :

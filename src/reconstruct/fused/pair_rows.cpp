@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <type_traits>
 
+#include "base/numbers.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "reconstruct/fused/pair_rows.cpp"
 #include <hwy/foreach_target.h>
@@ -38,6 +40,25 @@ void sum_row(const Band& band, const Frames<Pixel>& frames, int row, std::comple
 void sum_row_of(const Band& band, const FrameViews& frames, int row, std::complex<float>* to) {
   frames.visit([&]<class Pixel>(const Frames<Pixel>& all) {
     if constexpr (!std::is_same_v<Pixel, double>) sum_row(band, all, row, to);
+  });
+}
+
+void polar_form(const Image<std::complex<float>>& phasors, Image<float>& modulation,
+                Image<float>& phase) {
+  const FloatTag d;
+  const auto* const interleaved = reinterpret_cast<const float*>(phasors.begin());
+
+  for_each_vector(static_cast<int>(phasors.pixel_count()), [&](std::size_t i) SLIPSTREAM_STEP {
+    Several<1> C, S;
+    hn::LoadInterleaved2(d, interleaved + 2 * i, C[0], S[0]);
+    const Floats square = hn::MulAdd(C[0], C[0], hn::Mul(S[0], S[0]));
+    hn::StoreU(hn::Sqrt(square), d, modulation.begin() + i);
+
+    // A whole turn is none.
+    const Floats turn = angles_in_turns<1>(S, C)[0];
+    const auto is_whole = hn::Ge(turn, hn::Set(d, 1.0F));
+    const Floats phi = hn::Mul(turn, hn::Set(d, static_cast<float>(two_pi)));
+    hn::StoreU(hn::IfThenZeroElse(is_whole, phi), d, phase.begin() + i);
   });
 }
 
@@ -146,10 +167,16 @@ HWY_AFTER_NAMESPACE();
 namespace slipstream {
 
 HWY_EXPORT(sum_row_of);
+HWY_EXPORT(polar_form);
 HWY_EXPORT(fit_row);
 
 void phasor_row(const Band& band, const FrameViews& frames, int row, std::complex<float>* to) {
   HWY_DYNAMIC_DISPATCH(sum_row_of)(band, frames, row, to);
+}
+
+void polar_pixels(const Image<std::complex<float>>& phasors, Image<float>& modulation,
+                  Image<float>& phase) {
+  HWY_DYNAMIC_DISPATCH(polar_form)(phasors, modulation, phase);
 }
 
 void plane_row(const MatchedRows& matches, int row, float* to) {

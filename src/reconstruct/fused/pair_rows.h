@@ -12,6 +12,10 @@ namespace slipstream {
 /// quantised.
 void phasor_row(const Band& band, const FrameViews& frames, int row, std::complex<float>* to);
 
+/// B and phi, rad, [0, 2 pi), of the phasors of a picture of at least `least_row_width` pixels.
+void polar_pixels(const Image<std::complex<float>>& phasors, Image<float>& modulation,
+                  Image<float>& phase);
+
 /// Matches of a picture, with `side` further columns before and after each row, in which, as
 /// wherever a pixel has no match, the inverse depth is NaN.
 struct MatchedRows {

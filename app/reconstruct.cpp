@@ -152,7 +152,7 @@ void fuse_cameras(LoadedScan& loaded, const ReconstructFlags& flags, Reused& reu
   ReconstructedScan& scan = loaded.scan;
   std::vector<ScanResult> cameras;
   if (loaded.further.empty()) {
-    cameras = points_by_each_other(loaded.job);
+    cameras = points_by_each_other(loaded.job, scan.result);
   } else {
     cameras.push_back(scan.result);
   }

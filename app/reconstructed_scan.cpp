@@ -284,9 +284,11 @@ std::string text_of(const PredictedRms& predicted) {
 void tell(const ReconstructedScan& scan, Output& output) {
   const ScanResult& result = scan.result;
   if (scan.fused) {
-    output.say("{}: {} points, {:.3g} mm apart, of {} cameras with {} points; the first camera:",
+    const bool by_match = !has_coordinate(result.setup.sequence.strategy);
+    output.say("{}: {} points, {:.3g} mm apart, of {} cameras with {} points; {}:",
                text_of(scan.name), scan.fused->points.size(), scan.fused->spacing,
-               scan.points_of_cameras.size(), fmt::join(scan.points_of_cameras, ", "));
+               scan.points_of_cameras.size(), fmt::join(scan.points_of_cameras, ", "),
+               by_match ? "their match" : "the first camera");
   }
   const std::string done = scan.output == ScanOutput::maps
                                ? fmt::format("measured {}", result.counts[0])

@@ -49,32 +49,34 @@ ReconstructSettings settings_for(const Scanner& camera, const Scanner& first,
   return settings;
 }
 
-std::vector<ScanResult> points_by_each_other(const CheckedJob& job) {
+std::vector<ScanResult> points_by_each_other(const CheckedJob& job, const ScanResult& matched) {
   const Scan &first = job.scan, &second = job.scan.further_cameras.front();
   std::vector<ScanResult> cameras;
 
-  for (const auto& [one, other] : {std::pair(&first, &second), std::pair(&second, &first)}) {
-    // 1. The camera's coordinates, in the orders that the other confirms: as measured.
+  for (const Scan* const scan : {&first, &second}) {
     ScanResult& camera = cameras.emplace_back();
-    EngineSetup& setup = camera.setup = setup_for(*one, job.setup.settings);
+    EngineSetup& setup = camera.setup = setup_for(*scan, job.setup.settings);
     throw_if(setup.scanner.photometry.response.has_value(),
              "points of a single frequency are not corrected for the response before they are "
              "fused; match the cameras instead, or use patterns that give the fringe order");
 
-    if (one == &second) {
+    // 1. The camera's coordinates, as measured, in the orders that the other confirms. The match
+    // has the first camera's; the second camera's come from the match back.
+    PhaseMatcher::Result back;
+    if (scan == &second) {
       setup.settings = settings_for(setup.scanner, job.setup.scanner, setup.settings);
+      back = PhaseMatcher(setup.scanner, setup_for(first).scanner, setup.sequence, setup.settings,
+                          {.window = 0})(second, first);
     }
-    PhaseMatcher match(setup.scanner, setup_for(*other).scanner, setup.sequence, setup.settings);
-    PhaseMatcher::Result matched = match(*one, *other);
-    camera.maps = std::move(matched.maps);
+    camera.maps = scan == &first ? matched.maps : std::move(back.maps);
 
     // 2. Where the camera's rays meet the projector's light there, and how noise moves these
     // points.
     camera.cloud = cloud_of_coordinates(converted<double>(camera.maps.coordinate), setup);
-    camera.cloud.intensity = std::move(matched.cloud.intensity);
-    camera.cloud.colour = colours_of(camera.cloud, *one);
+    camera.cloud.intensity = (scan == &first ? matched.cloud : back.cloud).intensity;
+    camera.cloud.colour = colours_of(camera.cloud, *scan);
     camera.uncertainty =
-        uncertainty_of(camera.cloud, camera.maps, setup, one->frames.views().full_scale());
+        uncertainty_of(camera.cloud, camera.maps, setup, scan->frames.views().full_scale());
   }
 
   return cameras;

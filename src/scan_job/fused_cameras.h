@@ -19,9 +19,9 @@ ReconstructSettings settings_for(const Scanner& camera, const Scanner& first,
                                  ReconstructSettings settings);
 
 /// The points that each of two cameras measures with the projector where the frames of one leave
-/// the fringe order open: each camera resolves the other's, see PhaseMatcher. With uncertainty and
-/// maps. Throws Error as PhaseMatcher does.
-std::vector<ScanResult> points_by_each_other(const CheckedJob& job);
+/// the fringe order open: each camera resolves the other's, see PhaseMatcher. `matched`: the job's
+/// result. With uncertainty and maps. Throws Error as PhaseMatcher does.
+std::vector<ScanResult> points_by_each_other(const CheckedJob& job, const ScanResult& matched);
 
 /// The points of cameras with the same projector as one cloud, in the first camera's frame, or in
 /// `frame`, a pose from there: see fuse. A camera's noise comes from its result's uncertainty.

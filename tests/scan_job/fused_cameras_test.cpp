@@ -103,7 +103,8 @@ INSTANTIATE_TEST_SUITE_P(Cameras, FusedCamerasOfAStatue, testing::Values(2, 3));
 TEST(FusedCamerasPointsByEachOther, HaveTheOrdersThatOneCameraLacks) {
   const Sequence one_band{.strategy = make_strategy("pmp", {{"steps", 4}, {"frequency", 16}})};
   const std::vector<ScanResult> cameras =
-      points_by_each_other({.scan = scan_of(2, one_band), .setup = {.sequence = one_band}});
+      points_by_each_other({.scan = scan_of(2, one_band), .setup = {.sequence = one_band}},
+                           reconstruct(scan_of(2, one_band)));
   ASSERT_EQ(cameras.size(), 2U);
 
   const FusedModel fused = fused_cameras(cameras);

@@ -9,11 +9,9 @@
 
 #include <GLFW/glfw3.h>
 #include <epoxy/gl.h>
-#include <fmt/format.h>
 #include <imgui.h>
 
 #include "reconstruct/engine_setup.h"
-#include "slipstream/surface.h"
 #include "view/gui.h"
 #include "view/lines.h"
 #include "view/measuring.h"
@@ -32,6 +30,20 @@ constexpr int picture_width = 480, large_picture_width = 1920;
 
 PointImages images_of(const Cloud& cloud) {
   return {cloud.x, cloud.y, cloud.z, cloud.intensity, nullptr, &cloud.colour};
+}
+
+/// Closes menus or the list of keys; without any, asks whether to close the window, or takes that
+/// back.
+void escape(PanelState& state) {
+  constexpr auto any = ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel;
+
+  if (ImGui::IsPopupOpen("", any)) {
+    ImGui::SetWindowFocus(nullptr);  // closes menus and drop-down lists
+  } else if (state.shows_keys) {
+    state.shows_keys = false;
+  } else {
+    state.closing = !state.closing;
+  }
 }
 
 /// The part of the framebuffer between panel and pictures.
@@ -286,8 +298,7 @@ const Uncertainty* CloudScreen::uncertainty() {
 }
 
 void CloudScreen::take_key(int key, PanelRequests& requests) {
-  // Esc asks before the window closes; a second Esc takes that back.
-  if (key == GLFW_KEY_ESCAPE) state_.closing = !state_.closing;
+  if (key == GLFW_KEY_ESCAPE) escape(state_);
   const bool is_enter = key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER;
   if (is_enter && state_.closing) requests.close = true;
   if (key == GLFW_KEY_SPACE && source_.statistics) state_.paused = !state_.paused;
@@ -309,7 +320,9 @@ void CloudScreen::take_key(int key, PanelRequests& requests) {
   if (key == GLFW_KEY_E && can_choose_exposure(state_, source_)) requests.expose = true;
   if (key == GLFW_KEY_M) state_.measures = !state_.measures;
   if (key == GLFW_KEY_S && source_.save) requests.save = true;
-  if (key == GLFW_KEY_O && source_.open) requests.file = {FileQuestion::open, {}};
+  if (key == GLFW_KEY_O && source_.open) {
+    requests.file = {FileQuestion::open, state_.path.data()};
+  }
   if (key == GLFW_KEY_R && source_.record) requests.toggle_recording ^= true;
 
   if (key >= GLFW_KEY_1 && key <= GLFW_KEY_3) {

@@ -144,6 +144,19 @@ TEST_F(ViewerCloudScreen, LosesNoKeyBetweenTwoPictures) {
   EXPECT_TRUE(state.paused) << "twice is not once";
 }
 
+TEST_F(ViewerCloudScreen, ClosesTheListOfKeysByEscBeforeItAsksToCloseTheWindow) {
+  CloudScreen clouds(source_, {}, nullptr);
+  clouds.take_newest();
+  PanelState& state = clouds.state();
+  state.shows_keys = true;
+  for (const bool closing : {false, true}) {
+    clouds.press(GLFW_KEY_ESCAPE);
+    drawn(clouds, screen({640, 480}));
+    EXPECT_FALSE(state.shows_keys);
+    EXPECT_EQ(state.closing, closing);
+  }
+}
+
 TEST_F(ViewerCloudScreen, ShowsThreeViewsUntilOneIsChosen) {
   CloudScreen clouds(source_, {.three_views = true}, nullptr);
   clouds.take_newest();

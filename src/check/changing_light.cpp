@@ -227,7 +227,7 @@ std::vector<FrameGain> relative_gains(const FrameGains& gains, const FrameGains&
 /// The misfit of the scan without these gains; infinite if it does not fit.
 double misfit_without(const JudgedScan& scan, const std::vector<FrameGain>& gains) {
   ScanSamples samples = scan.samples;
-  samples.change(samples.groups(), [&](float* I, double) {
+  samples.change([&](float* I, double) {
     for (const auto& [frame, gain] : gains) I[frame] /= static_cast<float>(1 + gain);
   });
 

@@ -20,6 +20,13 @@ Complex direction_of(double periods) {
 // Of fringes blurred in camera and projector.
 constexpr std::array dampings{0.05, 0.1, 0.15, 0.2, 0.25};
 
+/// On things of a few pixels, blur mixes the coordinates of both sides.
+bool is_inside_surface(const ScanSamples& samples, std::size_t group) {
+  return std::ranges::all_of(
+      std::array{Place::right, Place::below, Place::far_right, Place::far_below},
+      [&](Place place) { return samples.lit(group, place); });
+}
+
 }  // namespace
 
 FrameJudge::FrameJudge(const FrameModel& model) : model_(model) {
@@ -42,6 +49,7 @@ void FrameJudge::clear() {
 
   doubts_.clear();
   misfits_.clear();
+  evidence_.coordinates.clear();
 
   residual_ = variation_ = by_origin_ = origin_square_ = 0;
   pairs_ = seams_ = far_pairs_ = 0;
@@ -55,6 +63,27 @@ double FrameJudge::ratio(const SampleReading& reading, std::size_t band) const {
   };
 
   return level(band) - level(model_.bands().front());
+}
+
+void FrameJudge::add_neighbour(const ScanSamples& samples, const FrameOrder& order,
+                               std::size_t group, int side) {
+  const Place place = side == 0 ? Place::right : Place::below;
+  if (!samples.lit(group, place)) return;
+
+  // Adjacent pixels separate signal from noise.
+  model_.read(samples.levels(group, place), order, next_);
+  add_pair(samples.variation(samples.levels(group, Place::middle)));
+
+  auto& change = evidence_.coordinates.back().change;
+  if (!change) return;
+
+  change->coordinate[side] = next_.coordinate - here_.coordinate;
+  change->phase[side] = change->coordinate[side];
+  if (model_.layout().unwrapping->whole_stripes) return;
+
+  const std::size_t band = model_.measuring_band();
+  change->phase[side] = std::remainder(next_.phase[band] - here_.phase[band], two_pi) / two_pi /
+                        model_.layout().bands[band].periods;
 }
 
 void FrameJudge::add_pair(double variation) {
@@ -148,8 +177,10 @@ const FrameEvidence& FrameJudge::operator()(const ScanSamples& samples, const Fr
   // 1. Each group's middle pixel, then its neighbours.
   for (std::size_t g = 0; g < groups; ++g) {
     const float* const levels = samples.levels(g, Place::middle);
-    const double variation = samples.variation(levels);
     model_.read(levels, order, here_);
+    evidence_.coordinates.push_back(
+        {.pixel = {samples.column(g), samples.row(g)}, .coordinate = here_.coordinate});
+    if (is_inside_surface(samples, g)) evidence_.coordinates.back().change.emplace();
 
     doubts_.push_back(here_.doubt);
     misfits_.push_back(here_.misfit);
@@ -164,20 +195,13 @@ const FrameEvidence& FrameJudge::operator()(const ScanSamples& samples, const Fr
       damped_[i] += direction_of(here_.relations.front() - f * dampings[i] * (here_.coarse - 0.5));
     }
 
-    // Adjacent pixels separate signal from noise.
-    for (const Place place : {Place::right, Place::below}) {
-      if (!samples.lit(g, place)) continue;
-      model_.read(samples.levels(g, place), order, next_);
-      add_pair(variation);
-    }
+    for (const int side : {0, 1}) add_neighbour(samples, order, g, side);
 
     // Far ones show whether the coordinate jumps across the field.
     for (const Place place : {Place::far_right, Place::far_below}) {
       if (!can_leap || !samples.lit(g, place)) continue;
-      model_.read(samples.levels(g, place), order, next_);
-
       const double f = model_.fewest_periods();
-      const double a = f * here_.coarse, b = f * next_.coarse;
+      const double a = f * here_.coarse, b = f * model_.coarse(samples.levels(g, place), order);
 
       // This close to the jump, noise alone carries a pixel across it.
       constexpr double margin = 0.004;

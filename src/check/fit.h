@@ -69,6 +69,7 @@ struct FrameEvidence {
   /// Share of far pixel pairs across which the coordinate jumps from one end of the field to the
   /// other inside the lit area.
   double seams = 0;
+  std::vector<CoordinateSample> coordinates{};  ///< of each group
 };
 
 /// Gathers evidence. Reuses its memory; not thread-safe.
@@ -103,6 +104,9 @@ class FrameJudge {
   };
 
   void clear();
+  /// Adds the neighbour on side 0, the right, or 1, below.
+  void add_neighbour(const ScanSamples& samples, const FrameOrder& order, std::size_t group,
+                     int side);
   void add_pair(double variation);
   void sum_up(std::size_t groups);
   void look_for_damping(double groups);

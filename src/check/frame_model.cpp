@@ -67,7 +67,8 @@ Eigen::MatrixXd complement_of(const Strategy& strategy, const Layout& layout) {
 
 }  // namespace
 
-FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& photometry)
+FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& photometry,
+                       const FrameModel* bent_alike)
     : sequence_(sequence),
       layout_(sequence.strategy.layout()),
       photometry_(photometry),
@@ -77,18 +78,7 @@ FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& p
       complement_(complement_of(sequence.strategy, layout_)) {
   std::iota(identity_.begin(), identity_.end(), 0);
 
-  if (photometry.response) {
-    constexpr double accuracy = 1e-4;  // rad: far below the limits of the check
-    corrections_ = phase_corrections(photometry.response->response, layout_, accuracy);
-
-    // The light of shapes from 0 to 1, with one more entry for interpolation at 1.
-    constexpr int steps = 512;  // accurate to 1e-5 of the range
-    const auto& [alpha_p, beta_p] = sequence.light;
-    for (int i = 0; i <= steps + 1; ++i) {
-      const double shape = std::min(1.0, static_cast<double>(i) / steps);
-      light_.push_back(light_at(photometry.response->response, (alpha_p * shape + beta_p) / 255));
-    }
-  }
+  if (photometry.response) correct_for(photometry.response->response, bent_alike);
 
   // The correction that each band's steps need, if any.
   for (std::size_t b = 0; b < layout_.bands.size(); ++b) {
@@ -112,11 +102,37 @@ FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& p
   }
 }
 
+void FrameModel::correct_for(const Response& response, const FrameModel* bent_alike) {
+  // A correction depends on the number of steps alone.
+  const auto is_known = [&](const Band& band) {
+    const auto run = bent_run(band);
+    return run && bent_alike->corrections_.contains(run->steps);
+  };
+  if (bent_alike != nullptr && std::ranges::all_of(layout_.bands, is_known)) {
+    corrections_ = bent_alike->corrections_;
+  } else {
+    constexpr double accuracy = 1e-4;  // rad: far below the limits of the check
+    corrections_ = phase_corrections(response, layout_, accuracy);
+  }
+
+  // The light of shapes from 0 to 1, with one more entry for interpolation at 1.
+  if (bent_alike != nullptr) {
+    light_ = bent_alike->light_;
+    return;
+  }
+  constexpr int steps = 512;  // accurate to 1e-5 of the range
+  const auto& [alpha_p, beta_p] = sequence_.light;
+  for (int i = 0; i <= steps + 1; ++i) {
+    const double shape = std::min(1.0, static_cast<double>(i) / steps);
+    light_.push_back(light_at(response, (alpha_p * shape + beta_p) / 255));
+  }
+}
+
 std::pair<double, double> FrameModel::sinusoid(const float* levels, const FrameOrder& order,
                                                const Band& band, int steps) const {
   const double C = dot(band.cosine, levels, order);
   const double S = dot(band.sine, levels, order);
-  const double modulation = std::hypot(C, S), phase = wrapped_angle(S, C);
+  const double modulation = std::sqrt(C * C + S * S), phase = wrapped_angle(S, C);
 
   if (steps == 0) return {modulation, phase};
 
@@ -128,24 +144,31 @@ std::pair<double, double> FrameModel::sinusoid(const float* levels, const FrameO
   return {modulation, unshifted_phase(shifts, corrected_phase(corrections_.at(steps), shifted))};
 }
 
+std::pair<double, double> FrameModel::demodulated(const float* levels, const FrameOrder& order,
+                                                  std::size_t b) const {
+  const Band& band = layout_.bands[b];
+  auto [B, phi] = sinusoid(levels, order, band, corrected_steps_[b]);
+
+  // With a carrier: the sum of both phases is free of it, the weaker sinusoid limits B.
+  for (const Band& mirrored : band.mirrored) {
+    const auto [other_B, other] = sinusoid(levels, order, mirrored, corrected_steps_[b]);
+    B = std::min(B, other_B);
+    phi = wrapped_sum(phi, other);
+  }
+  return {B, phi};
+}
+
+double FrameModel::coarse(const float* levels, const FrameOrder& order) const {
+  return demodulated(levels, order, chain_.front()).second / two_pi / fewest_periods();
+}
+
 void FrameModel::read(const float* levels, const FrameOrder& order, SampleReading& reading) const {
   reading.phase.resize(layout_.bands.size());
   reading.modulation.resize(layout_.bands.size());
 
   // 1. Phase and modulation of each band.
-  double with_carrier = 0;  // phase of the measuring band's first sinusoid
   for (std::size_t b = 0; b < layout_.bands.size(); ++b) {
-    const Band& band = layout_.bands[b];
-    double &B = reading.modulation[b], &phi = reading.phase[b];
-    std::tie(B, phi) = sinusoid(levels, order, band, corrected_steps_[b]);
-    if (b == measuring_band()) with_carrier = phi;
-
-    // With a carrier: the sum of both phases is free of it, the weaker sinusoid limits B.
-    for (const Band& mirrored : band.mirrored) {
-      const auto [other_B, other] = sinusoid(levels, order, mirrored, corrected_steps_[b]);
-      B = std::min(B, other_B);
-      phi = wrapped_sum(phi, other);
-    }
+    std::tie(reading.modulation[b], reading.phase[b]) = demodulated(levels, order, b);
   }
 
   // 2. The coordinate, by the chain of bands or by all frames together.
@@ -167,6 +190,8 @@ void FrameModel::read(const float* levels, const FrameOrder& order, SampleReadin
 
   // The first sinusoid has the phase pi f y + 2 pi carrier x.
   if (const Band& band = layout_.bands[measuring_band()]; band.carrier > 0) {
+    const double with_carrier =
+        sinusoid(levels, order, band, corrected_steps_[measuring_band()]).second;
     reading.across = (with_carrier / two_pi - band.periods / 2 * reading.coordinate) / band.carrier;
   }
 
@@ -208,6 +233,8 @@ double FrameModel::shape(int n, const SampleReading& reading) const {
 }
 
 double FrameModel::light(int n, const SampleReading& reading) const {
+  if (light_.empty()) return shape(n, reading);
+
   const double place = shape(n, reading) * static_cast<double>(light_.size() - 2);
   const auto below = static_cast<std::size_t>(place);
   return light_[below] + (place - static_cast<double>(below)) * (light_[below + 1] - light_[below]);
@@ -216,8 +243,13 @@ double FrameModel::light(int n, const SampleReading& reading) const {
 void FrameModel::fit_origin(const float* levels, const FrameOrder& order,
                             SampleReading& reading) const {
   constexpr double step = 1e-5;
-  Eigen::MatrixX3d known(layout_.frames, 3);  // columns: mean, modulation, coordinate
-  Eigen::MatrixX2d rest(layout_.frames, 2);   // the frames and their derivative by the origin
+
+  // Columns: mean, modulation, coordinate. Blur removes any part of a response's harmonics: a
+  // column more, if there are enough frames.
+  const auto& known_response = photometry_.response;
+  const bool is_bent = known_response && !is_linear(known_response->response) && layout_.frames > 4;
+  Eigen::MatrixXd known(layout_.frames, is_bent ? 4 : 3);
+  Eigen::MatrixX2d rest(layout_.frames, 2);  // the frames and their derivative by the origin
 
   SampleReading before = reading, after = reading;
   before.coordinate -= step;
@@ -231,22 +263,22 @@ void FrameModel::fit_origin(const float* levels, const FrameOrder& order,
     const double periods =
         single == layout_.single_frames.end() ? layout_.bands.front().periods : single->periods;
 
-    known.row(n) << 1, shape(n, reading), slope;
+    known.row(n).head<3>() << 1, shape(n, reading), slope;
+    if (is_bent) known(n, 3) = light(n, reading);
     rest.row(n) << levels[order[n]], slope / (two_pi * periods);
   }
 
-  // Remove all that mean, modulation and coordinate explain.
-  const Eigen::Matrix<double, 3, 2> fitted =
+  // Remove all that these explain.
+  const Eigen::MatrixX2d fitted =
       (known.transpose() * known).ldlt().solve(known.transpose() * rest);
   rest -= known * fitted;
 
   if (photometry_.noise_variance) {
-    constexpr int fitted_numbers = 3;
-    reading.misfit =
-        rest.col(0).squaredNorm() / (layout_.frames - fitted_numbers) / *photometry_.noise_variance;
+    const auto left = static_cast<double>(known.rows() - known.cols());
+    reading.misfit = rest.col(0).squaredNorm() / left / *photometry_.noise_variance;
   }
 
-  const double modulation = fitted(1, 0);
+  const double modulation = fitted(1, 0) + (is_bent ? fitted(3, 0) : 0);
   reading.by_origin = modulation * rest.col(0).dot(rest.col(1));
   reading.origin_square = modulation * modulation * rest.col(1).squaredNorm();
 }
@@ -275,14 +307,10 @@ Eigen::MatrixXd FrameModel::unexplained_at(const SampleReading& reading) const {
   before.coordinate -= step;
   after.coordinate += step;
 
-  const auto shown = [&](int n, const SampleReading& at) {
-    return light_.empty() ? shape(n, at) : light(n, at);
-  };
-
   // Columns: mean, modulation, coordinate.
   Eigen::MatrixX3d known(layout_.frames, 3);
   for (int n = 0; n < layout_.frames; ++n) {
-    known.row(n) << 1, shown(n, reading), (shown(n, after) - shown(n, before)) / (2 * step);
+    known.row(n) << 1, light(n, reading), (light(n, after) - light(n, before)) / (2 * step);
   }
 
   return Eigen::MatrixXd::Identity(layout_.frames, layout_.frames) -

@@ -39,16 +39,17 @@ struct SampleReading {
   /// With single frames: mean square of the frames' rest after the fit, over the noise variance;
   /// infinite if it is unknown.
   double misfit = std::numeric_limits<double>::infinity();
-  /// With single frames, or bands that are unwrapped together: products of what the coordinate
-  /// leaves with its derivative by the origin, and of that with itself. The ratio of their sums is
-  /// the error of the origin, rad.
+  /// With single frames, or bands that are unwrapped together: products r.d and d.d of the residual
+  /// r and its derivative d by the origin. The ratio of their sums is the error of the origin, rad.
   double by_origin = 0, origin_square = 0;
 };
 
 /// Model of a sequence's patterns, for comparison with frames.
 class FrameModel {
  public:
-  FrameModel(const Sequence& sequence, const PhotometricCalibration& photometry);
+  /// `bent_alike`: a model with the same photometry and light, whose corrections are taken over.
+  FrameModel(const Sequence& sequence, const PhotometricCalibration& photometry,
+             const FrameModel* bent_alike = nullptr);
 
   [[nodiscard]] const Layout& layout() const { return layout_; }
 
@@ -88,6 +89,9 @@ class FrameModel {
     return complement_ * frames;
   }
 
+  /// Without a cue: SampleReading::coarse alone.
+  [[nodiscard]] double coarse(const float* levels, const FrameOrder& order) const;
+
   /// Projection of a pixel's frames, in order, that removes its mean, its modulation and a small
   /// change of the coordinate.
   [[nodiscard]] Eigen::MatrixXd unexplained_at(const SampleReading& reading) const;
@@ -98,6 +102,8 @@ class FrameModel {
   }
 
  private:
+  /// Takes over the corrections for a response, or computes them.
+  void correct_for(const Response& response, const FrameModel* bent_alike);
   void unwrap(SampleReading& reading, double cue) const;
   /// From single frames, and from bands that are unwrapped together.
   void fit_origin(const float* levels, const FrameOrder& order, SampleReading& reading) const;
@@ -106,7 +112,11 @@ class FrameModel {
   /// Modulation and phase, corrected for the response with that many steps; 0: uncorrected.
   [[nodiscard]] std::pair<double, double> sinusoid(const float* levels, const FrameOrder& order,
                                                    const Band& band, int steps) const;
+  /// The same of a whole band: with a carrier, free of it.
+  [[nodiscard]] std::pair<double, double> demodulated(const float* levels, const FrameOrder& order,
+                                                      std::size_t band) const;
   [[nodiscard]] double shape(int n, const SampleReading& reading) const;
+  /// Of pattern n there, 0 to 1: its shape through the response, if that is known.
   [[nodiscard]] double light(int n, const SampleReading& reading) const;
 
   Sequence sequence_;

@@ -1,19 +1,14 @@
 #include "check/geometry_evidence.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstddef>
 
-#include "base/numbers.h"
 #include "base/statistics.h"
 #include "check/fit.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {
 namespace {
-
-using Place = ScanSamples::Place;
 
 /// Position of a point in the projector's picture, share of the field along and across the axis.
 struct FieldPlace {
@@ -194,40 +189,6 @@ class GeometryJudge {
   int without_ = 0, outside_ = 0, out_of_range_ = 0, beyond_ = 0;
 };
 
-/// On things of a few pixels, blur mixes the coordinates of both sides.
-bool is_inside_surface(const ScanSamples& samples, std::size_t group) {
-  return std::ranges::all_of(
-      std::array{Place::right, Place::below, Place::far_right, Place::far_below},
-      [&](Place place) { return samples.lit(group, place); });
-}
-
-/// The coordinates that the frames give.
-std::vector<CoordinateSample> coordinates_of(const FrameModel& model, const ScanSamples& samples,
-                                             const FrameOrder& order) {
-  const std::size_t band = model.measuring_band();
-  const double turn = two_pi * model.layout().bands[band].periods;
-  const bool has_phase = !model.layout().unwrapping->whole_stripes;
-
-  std::vector<CoordinateSample> result;
-  SampleReading here, next;
-  for (std::size_t g = 0; g < samples.groups(); ++g) {
-    model.read(samples.levels(g, Place::middle), order, here);
-    result.push_back({.pixel = Eigen::Vector2d(samples.column(g), samples.row(g)),
-                      .coordinate = here.coordinate});
-    if (!is_inside_surface(samples, g)) continue;
-
-    CoordinateSample::Change& change = result.back().change.emplace();
-    for (const int side : {0, 1}) {
-      model.read(samples.levels(g, side == 0 ? Place::right : Place::below), order, next);
-      change.coordinate[side] = next.coordinate - here.coordinate;
-      change.phase[side] = has_phase
-                               ? std::remainder(next.phase[band] - here.phase[band], two_pi) / turn
-                               : change.coordinate[side];
-    }
-  }
-  return result;
-}
-
 }  // namespace
 
 GeometryEvidence geometry_evidence(std::span<const CoordinateSample> samples,
@@ -236,18 +197,10 @@ GeometryEvidence geometry_evidence(std::span<const CoordinateSample> samples,
   return GeometryJudge(source, scanner, axis, turn)(samples);
 }
 
-GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& samples,
-                                   const Scanner& scanner, Axis axis, const FrameOrder& order,
-                                   const PictureTurn& turn) {
+CoordinateSource source_of(const FrameModel& model) {
   const Layout& layout = model.layout();
-  CoordinateSource source;
-  if (layout.unwrapping->whole_stripes) {
-    source.stripes = layout.code->stripes;
-  } else {
-    source.periods = layout.bands[model.measuring_band()].periods;
-  }
-
-  return geometry_evidence(coordinates_of(model, samples, order), source, scanner, axis, turn);
+  if (layout.unwrapping->whole_stripes) return {.stripes = layout.code->stripes};
+  return {.periods = layout.bands[model.measuring_band()].periods};
 }
 
 }  // namespace slipstream

@@ -7,7 +7,6 @@
 #include <Eigen/Core>
 
 #include "check/frame_model.h"
-#include "check/scan_samples.h"
 #include "slipstream/scanner.h"
 
 namespace slipstream {
@@ -60,9 +59,6 @@ GeometryEvidence geometry_evidence(std::span<const CoordinateSample> samples,
                                    const CoordinateSource& source, const Scanner& scanner,
                                    Axis axis, const PictureTurn& turn = {});
 
-/// Of the sampled pixels of frames.
-GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& samples,
-                                   const Scanner& scanner, Axis axis, const FrameOrder& order,
-                                   const PictureTurn& turn = {});
+CoordinateSource source_of(const FrameModel& model);
 
 }  // namespace slipstream

@@ -32,15 +32,31 @@ void excuse_waveform(const JudgedScan& scan, const FrameModel& model, const Fram
   if (is_harmless) fit.frames.residual = waveform->residual;
 }
 
+/// Whether the mistake is one of the scanner, or of how the pictures lie.
+bool leaves_frames(const PossibleMistake& mistake) {
+  return mistake.order.empty() && !mistake.sequence && !mistake.photometry;
+}
+
 /// Calls `use` with the model and the order of the frames after the mistake is undone.
 template <class Use>
 auto with_model(const JudgedScan& scan, const PossibleMistake& mistake, const Use& use) {
   const FrameOrder order = mistake.order.empty() ? scan.model.identity() : mistake.order;
   if (!mistake.sequence && !mistake.photometry) return use(scan.model, order);
 
+  const FrameModel* const bent_alike = mistake.photometry ? nullptr : &scan.model;
   return use(FrameModel(mistake.sequence.value_or(scan.sequence),
-                        mistake.photometry.value_or(scan.photometry)),
+                        mistake.photometry.value_or(scan.photometry), bent_alike),
              order);
+}
+
+/// The coordinates of the frames compared with the scanner; nullopt without one or the other.
+std::optional<GeometryEvidence> geometry_of(const JudgedScan& scan, const PossibleMistake& mistake,
+                                            const FrameModel& model, const FrameEvidence& frames) {
+  if (scan.scanner == nullptr || !model.has_coordinate()) return std::nullopt;
+
+  const Scanner& scanner = mistake.scanner ? *mistake.scanner : *scan.scanner;
+  const Axis axis = mistake.sequence ? mistake.sequence->axis : scan.sequence.axis;
+  return geometry_evidence(frames.coordinates, source_of(model), scanner, axis, mistake.turn);
 }
 
 /// The residual beyond which few groups show that frames are not of the patterns.
@@ -127,9 +143,11 @@ std::vector<PossibleMistake> promising(const JudgedScan& scan,
   constexpr std::size_t most = 32;
 
   std::vector<std::pair<double, std::size_t>> rough;
+  const auto as_given = rough_misfit(scan, {});
   for (std::size_t i = 0; i < mistakes.size(); ++i) {
     mistakes[i].rank = i;
-    if (const auto misfit = rough_misfit(scan, mistakes[i])) rough.emplace_back(*misfit, i);
+    const auto misfit = leaves_frames(mistakes[i]) ? as_given : rough_misfit(scan, mistakes[i]);
+    if (misfit) rough.emplace_back(*misfit, i);
   }
   std::ranges::sort(rough);
 
@@ -151,7 +169,8 @@ std::vector<Attempt> explaining(const JudgedScan& scan, const Fit& before,
                                 std::vector<PossibleMistake> mistakes) {
   std::vector<Attempt> found;
   for (PossibleMistake& mistake : mistakes) {
-    const Fit fit = fit_of(scan, mistake);
+    Fit fit = leaves_frames(mistake) ? before : fit_of(scan, mistake);
+    if (leaves_frames(mistake)) fit.geometry = geometry_of(scan, mistake, scan.model, fit.frames);
     if (explains(fit, before, mistake)) found.push_back({std::move(mistake), fit, fit.misfit()});
   }
 
@@ -239,11 +258,7 @@ Fit fit_of(const JudgedScan& scan, const PossibleMistake& mistake) {
     // Without a code's edges the frames themselves show an error of the origin.
     if (!fit.code.has_edges) fit.code.offset = fit.frames.origin / two_pi;
 
-    if (scan.scanner == nullptr || !model.has_coordinate()) return fit;
-    const Scanner& scanner = mistake.scanner ? *mistake.scanner : *scan.scanner;
-    const Axis axis = mistake.sequence ? mistake.sequence->axis : scan.sequence.axis;
-    fit.geometry = geometry_evidence(model, scan.samples, scanner, axis, order, mistake.turn);
-
+    fit.geometry = geometry_of(scan, mistake, model, fit.frames);
     return fit;
   });
 }

@@ -125,17 +125,19 @@ double share_in_code(const FrameModel& model, const ScanSamples& samples) {
 class MixtureSearch {
  public:
   /// `fits`: whether the scan fits as it is.
-  MixtureSearch(const JudgedScan& scan, bool fits) : scan_(scan), fits_(fits), judge_(scan.model) {}
+  MixtureSearch(const JudgedScan& scan, bool fits)
+      : scan_(scan), fits_(fits), judge_(scan.model), few_(scan.samples) {
+    constexpr std::size_t few = 96;
+    few_.keep_first(few);
+  }
 
   /// Of few pixels, by the frames alone.
   [[nodiscard]] double misfit(const Mixture& mixture) {
-    constexpr std::size_t few = 96;
-    return Fit{.frames = judge_(undone(mixture, few), scan_.model.identity(), few)}.misfit();
+    return Fit{.frames = judge_(undone(mixture, few_), scan_.model.identity())}.misfit();
   }
 
-  [[nodiscard]] ScanSamples undone(const Mixture& mixture, std::size_t groups) const {
-    ScanSamples samples = scan_.samples;
-    samples.change(groups, [&](float* I, double down) { mixture.undo(I, down); });
+  [[nodiscard]] static ScanSamples undone(const Mixture& mixture, ScanSamples samples) {
+    samples.change([&](float* I, double down) { mixture.undo(I, down); });
     return samples;
   }
 
@@ -205,6 +207,7 @@ class MixtureSearch {
   const JudgedScan& scan_;
   bool fits_;
   FrameJudge judge_;
+  ScanSamples few_;
 };
 
 /// Median error of the coordinate, fields, and of the depth, mm (0 without a scanner).
@@ -288,7 +291,7 @@ std::optional<MixedFrames> mixed_frames(const JudgedScan& scan, const Fit& fit) 
   if (mixture.mean() < least_share) return std::nullopt;
 
   // 2. The scan without that share: it must fit, and clearly better.
-  const ScanSamples undone = search.undone(mixture, scan.samples.groups());
+  const ScanSamples undone = search.undone(mixture, scan.samples);
   const JudgedScan without{scan.model,   undone,          scan.sequence,
                            scan.scanner, scan.photometry, scan.settings};
   const Fit then = fit_of(without);

@@ -35,7 +35,10 @@ class ScanSamples {
   /// Puts the frames in that order: frame n becomes the one at `order[n]`.
   void reorder(const std::vector<int>& order);
   /// Drops the groups from `count` on; the first ones are spread over the picture, too.
-  void keep_first(std::size_t count) { lit_.resize(std::min(count, lit_.size())); }
+  void keep_first(std::size_t count) {
+    lit_.resize(std::min(count, lit_.size()));
+    levels_.resize(lit_.size() * places * frames_);
+  }
 
   [[nodiscard]] int frames() const { return frames_; }
   [[nodiscard]] Size size() const { return size_; }
@@ -46,11 +49,11 @@ class ScanSamples {
     return levels_.data() + (group * places + place) * frames_;
   }
 
-  /// Applies `change(float* levels, double down)` to each pixel of the first `groups` groups;
-  /// `down`: its row, share of the picture's height.
+  /// Applies `change(float* levels, double down)` to each pixel of the groups; `down`: its row,
+  /// share of the picture's height.
   template <class Change>
-  void change(std::size_t groups, const Change& change) {
-    for (std::size_t i = 0; i < std::min(groups, lit_.size()) * places; ++i) {
+  void change(const Change& change) {
+    for (std::size_t i = 0; i < lit_.size() * places; ++i) {
       change(levels_.data() + i * frames_, static_cast<double>(row(i / places)) / size_.height);
     }
   }

@@ -14,6 +14,7 @@
 #include "check/code_evidence.h"
 #include "check/contradicting_frame.h"
 #include "check/dark_frames.h"
+#include "check/displaced_frames.h"
 #include "check/frame_faults.h"
 #include "check/method_limits.h"
 #include "check/mistake_search.h"
@@ -247,6 +248,13 @@ std::optional<Finding> better_fit(const JudgedScan& scan, const Fit& fit) {
   return finding;
 }
 
+/// One frame that contradicts the others, or several that have moved.
+std::optional<Finding> unlike_frames(const JudgedScan& scan, const Fit& fit) {
+  // A frame of another brightness moves no bit that is compared with its inverse.
+  auto odd = fit.code.bits_are_sure() ? std::nullopt : contradicting_frame(scan, fit);
+  return odd ? odd : displaced_frames(scan, fit);
+}
+
 /// Of a scan that fits.
 std::vector<Finding> remaining_faults(const JudgedScan& scan, const Fit& fit,
                                       std::optional<MixedFrames> mixed,
@@ -262,9 +270,7 @@ std::vector<Finding> remaining_faults(const JudgedScan& scan, const Fit& fit,
   if (light) return {std::move(light->finding)};
   if (auto better = better_fit(scan, fit)) return {std::move(*better)};
 
-  // A frame of another brightness moves no bit that is compared with its inverse.
-  auto odd = fit.code.bits_are_sure() ? std::nullopt : contradicting_frame(scan, fit);
-  if (odd) return {std::move(*odd)};
+  if (auto unlike = unlike_frames(scan, fit)) return {std::move(*unlike)};
 
   std::vector<Finding> findings = method_limits(scan, fit);
   if (auto of_code = changed_light_of_code(scan)) findings.push_back(std::move(*of_code));
@@ -352,8 +358,8 @@ void explain_misfit(const JudgedScan& scan, const Fit& fit, std::optional<MixedF
     return;
   } else {
     name_broadly(fit, response_known, finding);
-    auto odd = fit.patterns_made() ? std::nullopt : contradicting_frame(scan, fit);
-    if (odd) finding = std::move(*odd);
+    auto unlike = fit.patterns_made() ? std::nullopt : unlike_frames(scan, fit);
+    if (unlike) finding = std::move(*unlike);
   }
 
   result.findings.push_back(std::move(finding));

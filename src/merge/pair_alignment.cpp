@@ -112,13 +112,16 @@ void describe_fit(const PreparedView& first, const PreparedView& second, std::si
   alignment.misfits = share_of(off, matches.size());
   alignment.rms = within.rms();
 
-  // 3. The information of the matches about the pose.
+  // 3. The information of the matches about the pose, as if only independent ones counted.
   alignment.centre = centre_of(matches);
   const SurfaceEquations equations = equations_of(matches, alignment.centre);
-  alignment.information = each * equations.information;
+  PatchScatter scatter(patch_of(first));
+  scatter.add(0, 1, alignment.pose, matches, alignment.centre, Matrix6::Identity());
+  const double independent = each / scatter.matches_each();
+  alignment.information = independent * equations.information;
 
   const WeakestMotion weakest = weakest_motion(equations, extent_of(matches, alignment.centre));
-  alignment.weakest_sigma = weakest.sigma / std::sqrt(each);
+  alignment.weakest_sigma = weakest.sigma / std::sqrt(independent);
   alignment.weakest_slope = weakest.slope;
 }
 

@@ -48,6 +48,11 @@ class PreparedView {
   double reach_ = 0;
 };
 
+/// Edge of the patches whose errors count as independent, mm.
+inline double patch_of(const PreparedView& view) {
+  return 2 * view.keypoints().cell;
+}
+
 /// A distance of keypoints that suits the views: about 2500 of a middling view.
 float keypoint_cell(const std::vector<View>& views);
 

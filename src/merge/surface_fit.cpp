@@ -9,6 +9,7 @@
 
 #include "base/parallel_rows.h"
 #include "base/statistics.h"
+#include "merge/point_grid.h"
 
 namespace slipstream {
 namespace {
@@ -86,6 +87,14 @@ std::vector<SurfaceMatch> matches_on(const SurfaceSamples& from, const SurfaceSa
   return all;
 }
 
+/// Derivatives of a match's distance along a normal by a small turn and shift about `centre`.
+Vector6 row_of(const SurfaceMatch& match, const Eigen::Vector3d& normal,
+               const Eigen::Vector3d& centre) {
+  Vector6 row;
+  row << (match.place - centre).cross(normal), normal;
+  return row;
+}
+
 /// Turns in units of a shift at the extent of the surface.
 Vector6 units_of(double extent) {
   Vector6 units;
@@ -159,24 +168,72 @@ SurfaceEquations equations_of(const std::vector<SurfaceMatch>& matches,
     const double weight = tukey_weight(match.distance / spread) / (spread * spread);
     if (weight == 0) continue;
 
-    const Eigen::Vector3d arm = match.place - centre;
-    const auto row_of = [&](const Eigen::Vector3d& normal) {
-      Vector6 row;
-      row << arm.cross(normal), normal;
-      return row;
-    };
-
-    const Vector6 row = row_of(match.direction());
+    const Vector6 row = row_of(match, match.direction(), centre);
     equations.squares.noalias() += weight * row * row.transpose();
     equations.right += weight * match.distance * row;
 
-    const Vector6 one = row_of(match.first_normal), other = row_of(match.second_normal);
+    const Vector6 one = row_of(match, match.first_normal, centre);
+    const Vector6 other = row_of(match, match.second_normal, centre);
     equations.information.noalias() +=
         weight / 2 * (one * other.transpose() + other * one.transpose());
     equations.weight += weight;
   }
 
   return equations;
+}
+
+void PatchScatter::add(std::size_t first, std::size_t second, const Eigen::Isometry3d& pose,
+                       const std::vector<SurfaceMatch>& matches, const Eigen::Vector3d& centre,
+                       const Eigen::Matrix<double, 6, Eigen::Dynamic>& derivatives) {
+  const auto parameters = derivatives.cols();
+  if (squares_.size() == 0) {
+    squares_ = counted_twice_ = Eigen::MatrixXd::Zero(parameters, parameters);
+  }
+  const SurfaceEquations equations = equations_of(matches, centre);
+  squares_ += derivatives.transpose() * equations.squares * derivatives;
+  weights_ += equations.weight;
+
+  // 1. Sums over the matches between two patches.
+  const Eigen::Isometry3d to_second = pose.inverse();
+  const auto cell_of = [&](const Eigen::Vector3d& place) {
+    return cell_key((place / patch_).array().floor().cast<int>());
+  };
+  std::map<std::pair<std::uint64_t, std::uint64_t>, Vector6> between;
+  for (const SurfaceMatch& match : matches) {
+    constexpr double small = 1e-3;
+
+    // A robust fit follows a residual by the slope of its influence, not by its weight.
+    const auto influence = [](double residual) { return residual * tukey_weight(residual); };
+    const double spread = match.sigma * equations.scale, residual = match.distance / spread;
+    slopes_ +=
+        (influence(residual + small) - influence(residual - small)) / (2 * small * spread * spread);
+
+    const Vector6 row = row_of(match, match.direction(), centre);
+    const std::pair cells(cell_of(match.place), cell_of(to_second * match.place));
+    between.try_emplace(cells, Vector6::Zero()).first->second += influence(residual) / spread * row;
+  }
+
+  // 2. Sums over each patch. Two matches of the same two patches are in both of these sums.
+  for (const auto& [cells, sum] : between) {
+    const Eigen::VectorXd of_parameters = derivatives.transpose() * sum;
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(parameters);
+    for (const Patch& patch : {Patch(first, cells.first), Patch(second, cells.second)}) {
+      sums_.try_emplace(patch, none).first->second += of_parameters;
+    }
+    counted_twice_ += of_parameters * of_parameters.transpose();
+  }
+}
+
+double PatchScatter::matches_each() const {
+  if (sums_.empty()) return 1;
+  Eigen::MatrixXd scatter = -counted_twice_;
+  for (const auto& [patch, sum] : sums_) scatter += sum * sum.transpose();
+
+  // The mean over the parameters, of any units.
+  const double excess =
+      squares_.ldlt().solve(scatter).trace() / static_cast<double>(squares_.rows());
+  const double followed = slopes_ / weights_;
+  return std::max(excess / (followed * followed), 1.0);
 }
 
 double extent_of(const std::vector<SurfaceMatch>& matches, const Eigen::Vector3d& centre) {

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -62,6 +65,33 @@ struct SurfaceEquations {
 
 SurfaceEquations equations_of(const std::vector<SurfaceMatch>& matches,
                               const Eigen::Vector3d& centre);
+
+/// Counts how many matches make one independent observation for a fit, by the scatter of the
+/// residuals over patches of the views (a "sandwich" estimate): points near each other share
+/// errors, and a point has matches to and fro, in several views.
+class PatchScatter {
+ public:
+  /// `patch`: edge, mm.
+  explicit PatchScatter(double patch) : patch_(patch) {}
+
+  /// Adds the matches of views number `first` and `second`, the second at `pose`. `derivatives`: of
+  /// the turn and shift about `centre` by each parameter.
+  void add(std::size_t first, std::size_t second, const Eigen::Isometry3d& pose,
+           const std::vector<SurfaceMatch>& matches, const Eigen::Vector3d& centre,
+           const Eigen::Matrix<double, 6, Eigen::Dynamic>& derivatives);
+
+  /// Matches for each independent observation, by which variances grow; at least 1.
+  [[nodiscard]] double matches_each() const;
+
+ private:
+  using Patch = std::pair<std::size_t, std::uint64_t>;  ///< view, cell
+
+  double patch_;
+  /// Sums of weighted residuals times their derivatives.
+  std::map<Patch, Eigen::VectorXd> sums_{};
+  Eigen::MatrixXd counted_twice_{}, squares_{};
+  double weights_ = 0, slopes_ = 0;  ///< of all matches, by Tukey's biweight
+};
 
 /// The least known motion: RMS slope of the surface against it, and its standard deviation, mm, at
 /// `extent` from the centre.

@@ -77,37 +77,20 @@ struct TableParameters {
   int angles;
 };
 
-/// The pose of a pair by small changes of each parameter.
-Eigen::Matrix<double, 6, Eigen::Dynamic> derivatives(const Turntable& table,
-                                                     const TableParameters& parameters,
-                                                     const PairPose& pair, const Vector3& centre) {
-  constexpr double small = 1e-5;  // rad or mm
-  const Eigen::Isometry3d at = pose_on(table, pair.first, pair.second);
-
-  Eigen::Matrix<double, 6, Eigen::Dynamic> all(6, parameters.count());
-  for (int i = 0; i < parameters.count(); ++i) {
-    Eigen::VectorXd step = Eigen::VectorXd::Zero(parameters.count());
-    step[i] = small;
-    const Turntable moved = parameters.moved(table, step);
-    all.col(i) = motion_between(at, pose_on(moved, pair.first, pair.second), centre) / small;
-  }
-  return all;
-}
-
 /// Normal equations of all pairs for the parameters.
 struct TableEquations {
   Eigen::MatrixXd squares, information;
   Eigen::VectorXd right;
 };
 
-TableEquations equations_of_all(const Turntable& table, const TableParameters& parameters,
-                                std::span<const PairPose> pairs, const EquationsOfPair& of_pair) {
-  const int count = parameters.count();
+TableEquations equations_of_all(const Turntable& table, std::span<const PairPose> pairs,
+                                const EquationsOfPair& of_pair, bool hold_step) {
+  const int count = TableParameters(table, hold_step).count();
   TableEquations all{Eigen::MatrixXd::Zero(count, count), Eigen::MatrixXd::Zero(count, count),
                      Eigen::VectorXd::Zero(count)};
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const PairEquations pair = of_pair(k, pose_on(table, pairs[k].first, pairs[k].second));
-    const auto J = derivatives(table, parameters, pairs[k], pair.centre);
+    const auto J = motion_by_parameters(table, pairs[k], pair.centre, hold_step);
     all.squares += J.transpose() * pair.squares * J;
     all.information += J.transpose() * pair.information * J;
     all.right += J.transpose() * pair.right;
@@ -342,11 +325,29 @@ Eigen::Isometry3d pose_on(const Turntable& table, std::size_t first, std::size_t
   return turned(table, table.angles[first] - table.angles[second]);
 }
 
+Eigen::Matrix<double, 6, Eigen::Dynamic> motion_by_parameters(const Turntable& table,
+                                                              const PairPose& pair,
+                                                              const Vector3& centre,
+                                                              bool hold_step) {
+  constexpr double small = 1e-5;  // rad or mm
+  const TableParameters parameters(table, hold_step);
+  const Eigen::Isometry3d at = pose_on(table, pair.first, pair.second);
+
+  Eigen::Matrix<double, 6, Eigen::Dynamic> all(6, parameters.count());
+  for (int i = 0; i < parameters.count(); ++i) {
+    Eigen::VectorXd step = Eigen::VectorXd::Zero(parameters.count());
+    step[i] = small;
+    const Turntable moved = parameters.moved(table, step);
+    all.col(i) = motion_between(at, pose_on(moved, pair.first, pair.second), centre) / small;
+  }
+  return all;
+}
+
 Turntable refined_turntable(Turntable table, std::span<const PairPose> pairs,
                             const EquationsOfPair& equations, int rounds, bool hold_step) {
   const TableParameters parameters(table, hold_step);
   for (int round = 0; round < rounds; ++round) {
-    const TableEquations all = equations_of_all(table, parameters, pairs, equations);
+    const TableEquations all = equations_of_all(table, pairs, equations, hold_step);
 
     // Scale away the units, and solve without directions that nothing determines.
     const Eigen::VectorXd scale =

@@ -38,6 +38,14 @@ struct Turntable {
 /// The motion of the second view's points into the first view's frame.
 Eigen::Isometry3d pose_on(const Turntable& table, std::size_t first, std::size_t second);
 
+/// Derivatives of the turn and shift of a pair's second view about `centre` by the parameters: the
+/// direction's tilt to two sides, the point's shift to these, then the step, unless it is held, or
+/// the angles of all views but the first.
+Eigen::Matrix<double, 6, Eigen::Dynamic> motion_by_parameters(const Turntable& table,
+                                                              const PairPose& pair,
+                                                              const Eigen::Vector3d& centre,
+                                                              bool hold_step);
+
 /// A view that does not lie as the turntable turned it.
 struct MovedView {
   std::size_t view = 0;

@@ -9,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 #include "base/parallel_rows.h"
@@ -71,29 +72,50 @@ struct LocalPlane {
   float roughness = nan;  ///< standard deviation from the plane, mm
 };
 
-LocalPlane local_plane(const PointGrid& grid, std::span<const Eigen::Vector3f> points,
-                       const Eigen::Vector3f& place, float radius) {
-  constexpr int fewest = 6;
-
-  int count = 0;
+/// Sums over neighbours of their offsets from a place.
+struct Moments {
+  float count = 0;
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   Eigen::Matrix3f squares = Eigen::Matrix3f::Zero();
+};
+
+/// Each neighbour counts by 1 - slope * offset, at least 0.
+Moments moments_near(const PointGrid& grid, std::span<const Eigen::Vector3f> points,
+                     const Eigen::Vector3f& place, float radius, const Eigen::Vector3f& slope) {
+  Moments moments;
   grid.for_each_near(place, radius, [&](std::uint32_t index, float) {
     const Eigen::Vector3f offset = points[index] - place;
-    ++count;
-    sum += offset;
-    squares += offset * offset.transpose();
+    const float weight = std::max(1 - slope.dot(offset), 0.0F);
+    moments.count += weight;
+    moments.sum += weight * offset;
+    moments.squares += weight * offset * offset.transpose();
   });
-  if (count < fewest) return {};
+  return moments;
+}
 
-  const auto n = static_cast<float>(count);
-  const Eigen::Matrix3f scatter = squares - sum * sum.transpose() / n;
+LocalPlane local_plane(const PointGrid& grid, std::span<const Eigen::Vector3f> points,
+                       const Eigen::Vector3f& place, float radius) {
+  constexpr float fewest = 6;
+  constexpr float across = 0.05F;  // leaves the offsets across the surface alone
+
+  Moments moments = moments_near(grid, points, place, radius, Eigen::Vector3f::Zero());
+  if (moments.count < fewest) return {};
+
+  // A slanted surface has more points towards the camera, and a rim points on one side: weighted so
+  // that their mean is the place, since the normal is the one at their mean.
+  const float small = across * moments.squares.trace();
+  const Eigen::Matrix3f squares = moments.squares + small * Eigen::Matrix3f::Identity();
+  moments = moments_near(grid, points, place, radius, squares.ldlt().solve(moments.sum));
+
+  const Eigen::Matrix3f scatter =
+      moments.squares - moments.sum * moments.sum.transpose() / moments.count;
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> axes;
   axes.computeDirect(scatter);
 
   // Neighbours along a line do not determine a normal.
   if (!(axes.eigenvalues()(1) > 0.02F * axes.eigenvalues()(2))) return {};
-  return {axes.eigenvectors().col(0), std::sqrt(std::max(axes.eigenvalues()(0), 0.0F) / (n - 3))};
+  const float freedom = std::max(moments.count - 3, 1.0F);
+  return {axes.eigenvectors().col(0), std::sqrt(std::max(axes.eigenvalues()(0), 0.0F) / freedom)};
 }
 
 /// Roughness below which a fifth of the surface lies: its flattest parts have only the noise.

@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include "base/statistics.h"
+#include "geometry/point_fit.h"
 #include "slipstream/cloud_file.h"
 #include "tests/merge/virtual_shots.h"
 #include "tests/shared_data.h"
@@ -142,6 +144,34 @@ TEST_P(PairAlignmentTable, HasNoWrongPose) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Noises, PairAlignmentTable, testing::Values(0.02, 0.1, 0.3));
+
+/// How far pairs are off, by the number of pairs of each object and noise.
+class PairAlignmentSigma : public testing::TestWithParam<int> {};
+
+TEST_P(PairAlignmentSigma, IsThatOfTheErrors) {
+  Squares errors;
+  for (const Mesh& mesh : {large_statue(), relief()}) {
+    for (const double noise : {0.05, 0.2}) {
+      for (int k = 0; k < GetParam(); ++k) {
+        const Eigen::Isometry3d turn = turned({0.1 * k, 1, 0.2}, 15 + 3 * k);
+        const Pair pair =
+            pair_of(mesh, front, before_camera(turn), noise, static_cast<unsigned>(k + 1));
+        const PairAlignment found = refine_alignment(pair.first, pair.second, pair.truth);
+
+        const Eigen::Isometry3d off = pair.truth * found.pose.inverse();
+        const Eigen::AngleAxisd by(off.linear());
+        Vector6 error;
+        error << by.angle() * by.axis(), off * found.centre - found.centre;
+        errors.add(error.dot(found.information * error) / 6);
+      }
+    }
+  }
+  EXPECT_GT(errors.rms(), 0.7);
+  EXPECT_LT(errors.rms(), 1.4);
+}
+
+INSTANTIATE_TEST_SUITE_P(Day, PairAlignmentSigma, testing::Values(1));
+INSTANTIATE_TEST_SUITE_P(Night, PairAlignmentSigma, testing::Values(6));
 
 TEST(PairAlignmentAlignViews, FindsTheTurnOfARealTurntable) {
   const std::filesystem::path folder = shared_data() / "sltk";

@@ -35,12 +35,12 @@ void for_each_level(const FrameViews& frames, const Body& body) {
   });
 }
 
-/// Of frames of this type; `given` for 16-bit pixels.
+/// Of frames of this type; `bits` for 16-bit pixels.
 template <class Pixel>
-int bits_of(int given) {
+int bits_of(int bits) {
   if (!std::is_same_v<Pixel, std::uint16_t>) return 8;
-  throw_if(given < 8 || given > 16, "{} bits per camera pixel are out of range; 8 to 16", given);
-  return given;
+  throw_if(bits < 8 || bits > 16, "{} bits per camera pixel are out of range; 8 to 16", bits);
+  return bits;
 }
 
 /// A merged level is at most sqrt(16) full scales: these bits, stored in 16.
@@ -340,15 +340,15 @@ FrameSet MeanFrames::mean() const {
 
 void merge_exposures(const FrameViews& frames, const std::vector<double>& exposures,
                      MergedFrames& merged) {
-  const std::size_t given = frames.count();
-  throw_if(exposures.empty() || exposures.size() > most_exposures || given == 0 ||
-               given % exposures.size() != 0,
-           "{} frames cannot be split evenly among {} exposures, at most {}", given,
+  const std::size_t count = frames.count();
+  throw_if(exposures.empty() || exposures.size() > most_exposures || count == 0 ||
+               count % exposures.size() != 0,
+           "{} frames cannot be split evenly among {} exposures, at most {}", count,
            exposures.size(), most_exposures);
 
   // Reuse the memory of the last scan.
   const Size size = frames.size();
-  merged.images.resize(given / exposures.size());
+  merged.images.resize(count / exposures.size());
   for (auto& image : merged.images) {
     if (image.size() != size) image = Image<std::uint16_t>(size);
   }

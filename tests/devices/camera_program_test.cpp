@@ -13,8 +13,8 @@
 #include "slipstream/recording.h"
 #include "tests/app/program.h"
 #include "tests/devices/served_camera.h"
-#include "tests/io/recorded_frames.h"
 #include "tests/io/temporary_folder.h"
+#include "tests/recording/recorded_frames.h"
 
 namespace slipstream::camera_program_test {
 namespace fs = std::filesystem;

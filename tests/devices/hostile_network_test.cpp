@@ -10,7 +10,7 @@
 #include "devices/gige_protocol.h"
 #include "tests/devices/gvcp_packets.h"
 #include "tests/devices/served_camera.h"
-#include "tests/io/recorded_frames.h"
+#include "tests/recording/recorded_frames.h"
 
 namespace slipstream::hostile_network_test {
 using namespace std::chrono_literals;

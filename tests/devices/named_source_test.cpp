@@ -19,8 +19,8 @@
 #include "slipstream/virtual_scanner.h"
 #include "slipstream/virtual_world.h"
 #include "tests/io/expect_error.h"
-#include "tests/io/recorded_frames.h"
 #include "tests/io/temporary_folder.h"
+#include "tests/recording/recorded_frames.h"
 
 namespace slipstream::named_source_test {
 using namespace std::chrono_literals;

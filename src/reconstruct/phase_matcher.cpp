@@ -10,6 +10,7 @@
 #include "base/parallel_rows.h"
 #include "base/statistics.h"
 #include "base/throw_if-inl.h"
+#include "reconstruct/band_search.h"
 #include "reconstruct/camera_agreement.h"
 #include "reconstruct/camera_orders.h"
 #include "reconstruct/camera_pair.h"

@@ -3,22 +3,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "reconstruct/band_search.h"
 #include "reconstruct/epipolar_tables.h"
-#include "slipstream/layout.h"
 
 // Two cameras' phases along epipolar lines, several pixels at a time, compiled for each vector
 // target.
 namespace slipstream {
-
-/// Search ranges of the bands, from few periods to many.
-struct BandSearch {
-  std::vector<float> fringes;  ///< a period of each, in rad of the band before
-  int reach = 12;              ///< of the first, pixels
-  int stride = 1;              ///< pixels over which the phase of the first changes little
-};
-
-/// `width`: of the second camera.
-BandSearch band_search(const Layout& layout, int width);
 
 /// Pixels of the first camera, and where the second sees them under the same phase.
 struct PixelMatches {

@@ -8,6 +8,7 @@
 
 #include <Eigen/SVD>
 
+#include "base/numbers.h"
 #include "base/throw_if-inl.h"
 
 namespace slipstream {
@@ -181,6 +182,7 @@ Eigen::Vector3d euler_of(const Eigen::Matrix3d& rotation, const EulerOrder& orde
   double third = std::atan2(sign * rest(j, i), rest(j, j));
   if (repeats) {
     second = std::atan2(-sign * rest(k, i), rest(i, i));
+    if (second < -90 * degree) second += two_pi;  // half a turn, which rounding makes negative
     third = std::atan2(-sign * rest(j, k), rest(j, j));
   }
 

@@ -62,6 +62,12 @@ RC_GTEST_PROP(Rotation, EveryNotationReturnsTheSameRotation, ()) {
   require_equal(checked_rotation(rotation));
 }
 
+TEST(Rotation, MiddleEulerAngleOfHalfATurnIsPositive) {
+  const Eigen::Vector3d turns(-180 * degree, -360 * degree, -360 * degree);
+  const Eigen::Matrix3d rotation = rotation_of_euler(turns, {});
+  for (const EulerOrder& order : all_orders()) EXPECT_GT(euler_of(rotation, order)[1], -1e-12);
+}
+
 RC_GTEST_PROP(Rotation, MiddleEulerAngleStaysInItsRange, ()) {
   const Eigen::Matrix3d rotation = any_rotation();
   for (const EulerOrder& order : all_orders()) {
@@ -102,6 +108,11 @@ TEST(Rotation, RoundedMatrixBecomesARotation) {
   const Eigen::Matrix3d rotation = checked_rotation(rounded);
   EXPECT_LT((rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).norm(), 1e-14);
   EXPECT_LT((rotation - rounded).cwiseAbs().maxCoeff(), 1e-4);
+  EXPECT_THROW(checked_rotation(1.01 * rotation), Error);
+
+  // Where the nearest orthogonal matrix mirrors, the weakest axis turns around.
+  const Eigen::Matrix3d mirrored = Eigen::Vector3d(1, 0.9, -0.1).asDiagonal().toDenseMatrix();
+  EXPECT_LT((nearest_rotation(rotation * mirrored) - rotation).norm(), 1e-12);
 }
 
 TEST(Rotation, RefusesWhatIsNoneAndSaysHowFarOff) {

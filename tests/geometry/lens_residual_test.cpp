@@ -66,6 +66,12 @@ TEST(LensResidual, StaysWithThePictureThatItShifts) {
   EXPECT_LT((2 * shift_at(half, {60, 40}) - shift_at(lens.residual, {120, 80})).norm(), 1e-12);
 }
 
+TEST(LensResidual, OfAHighDegreeStopsAtTheRimOfThePicture) {
+  const LensResidual residual = bent_lens(6).residual;
+  const double rim = 319.5 + 1.1 * 320;
+  EXPECT_LT((shift_at(residual, {5 * rim, 100}) - shift_at(residual, {rim, 100})).norm(), 1e-12);
+}
+
 TEST(LensResidual, IsFittedWithoutWrongSamples) {
   for (const int degree : {2, 4, 8}) {
     const LensResidual truth = bent_lens(degree).residual;

@@ -44,6 +44,24 @@ TEST(PointFit, SaysWhichPointIsOff) {
   EXPECT_GT(fit.rms, 0.5);
 }
 
+TEST(PointFit, StepsTurnAboutTheirCentreAndLeaveOutWhatIsOpen) {
+  const Eigen::Vector3d centre(10, 20, 500), shift(1, 2, 3);
+  Vector6 step;
+  step << 0, 0, 90 * degree, shift;
+  const Eigen::Isometry3d motion = motion_about(centre, step);
+  EXPECT_LT((motion * centre - centre - shift).norm(), 1e-9);
+  EXPECT_LT(
+      (motion * (centre + Eigen::Vector3d::UnitX()) - centre - shift - Eigen::Vector3d::UnitY())
+          .norm(),
+      1e-9);
+
+  Matrix6 squares = Matrix6::Identity();
+  squares(5, 5) = 0;
+  Vector6 known = Vector6::Ones();
+  known[5] = 0;
+  EXPECT_LT((known_step(squares, Vector6::Ones()) - known).norm(), 1e-12);
+}
+
 TEST(PointFit, RefusesPointsThatDoNotDetermineIt) {
   const Points line{{0, 0, 1}, {0, 0, 2}, {0, 0, 3}};
   EXPECT_THROW(fit_points(line, triangle), Error);

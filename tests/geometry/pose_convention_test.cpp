@@ -22,6 +22,15 @@ TEST(PoseConvention, WritesWhatItReads) {
   }
 }
 
+TEST(PoseConvention, ReadsInversePosesInMetres) {
+  const RotationNotation notation = *notation_of_robot("abb");
+  Eigen::Isometry3d written = some_pose.inverse();
+  written.translation() /= 1000;
+  const auto read = poses_of(PoseTable{{}, {row_of(written, notation)}},
+                             PoseConvention{.rotation = notation, .unit = 1000, .inverse = true});
+  EXPECT_TRUE(read[0] && read[0]->isApprox(some_pose, 1e-9));
+}
+
 TEST(PoseConvention, ReadsTheSamePoseOfEachRobot) {
   // Rz(90) Rx(90), as the manuals of the makers write it.
   const Eigen::Matrix3d turn = (Eigen::Matrix3d() << 0, 0, 1, 1, 0, 0, 0, 1, 0).finished();

@@ -96,6 +96,30 @@ TEST(Harmonics, PhaseErrorVanishesWhereTheHarmonicsDo) {
   }
 }
 
+TEST(Harmonics, MisfitOfTheMeanAllowsForAUniformLight) {
+  const Response law = PowerLaw{1.8};
+  ConstraintCurve curve{.steps = 4};
+  for (int i = 1; i < 20; ++i) {
+    const double phi = i * pi / 2 / 20, modulation = 40 + 2 * i, ambient = 10;
+    const MeasuredHarmonics seen = measured_harmonics(law, 4, phi);
+    curve.bins.push_back({.measured = std::arg(seen.fundamental),
+                          .constraint = {.mean = seen.mean / seen.B_1() + ambient / modulation},
+                          .modulation = modulation});
+  }
+  EXPECT_LT(misfit_of_mean(curve, law), 1e-4);
+  EXPECT_GT(misfit_of_mean(curve, PowerLaw{1}), 1e-3);
+}
+
+TEST(Harmonics, WellLitPixelsAreNeverSaturated) {
+  FrameSet::Images8 images(3, Image<std::uint8_t>({2, 1}, 100));
+  images[0](0, 0) = 255;
+  images[0](1, 0) = 250;
+  const FrameSet frames(images);
+  const Image<std::uint8_t> lit = well_lit(pixel_harmonics(frames, 0, 3), frames);
+  EXPECT_EQ(lit(0, 0), 0);
+  EXPECT_EQ(lit(1, 0), 1);
+}
+
 TEST(Harmonics, TruePhaseHasTheErrorsOfTable41) {
   // Two digits of the print; more of them as recomputed.
   for (const auto& [highest, rms] :

@@ -1,4 +1,5 @@
 // Light and sensor as scans of the virtual scanner show them.
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -38,6 +39,12 @@ TEST(Photometry, ScanAverageTakesScansOfOneKind) {
   scans.add(scan_of(six_steps, {}), "one");
   scans.add(scan_of(six_steps, {.seed = 2}), "two");
   EXPECT_EQ(scans.frames.count(), 2);
+
+  // A pixel that one scan clips is clipped.
+  ScanAverage clipped;
+  clipped.add(scan_of(six_steps, {.ambient = 100}), "bright");
+  clipped.add(scan_of(six_steps, {}), "one");
+  EXPECT_LT(std::ranges::count(clipped.unclipped, 1), std::ranges::count(scans.unclipped, 1));
   expect_error([&] { scans.add(scan_of(PhaseMeasuring{.steps = 5}, {}), "three"); },
                {"three", "one"});
 }
@@ -72,6 +79,10 @@ TEST(Photometry, AmbientCalibrationKnowsTheResponseOrRefuses) {
 }
 
 TEST(Photometry, ResponseLinearityIsTheSecondHarmonic) {
+  // Four steps, which alias it, say the same of it as twelve.
+  const double share = second_harmonic(dim, PowerLaw{1.3}, 12);
+  EXPECT_NEAR(second_harmonic(dim, PowerLaw{1.3}, 4), share, 0.05 * share);
+
   for (const int steps : {4, 5, 8}) {
     const auto of = [&](double gamma) {
       ScanAverage scans;
@@ -130,6 +141,13 @@ TEST(Photometry, NoiseCalibrationGivesTheVarianceByEveryEquationThatTheScansAllo
     EXPECT_NEAR(measured.variance, 2 + 1.0 / 12, 0.15) << measured.equation;
     EXPECT_EQ(measured.reason, "") << measured.equation;
   }
+  // Three scans make three pairs.
+  Photometry third = photometry;
+  third.seed = 3;
+  std::vector<NoiseScan> more = scans;
+  more.emplace_back(scan_of(PhaseMeasuring{.steps = 4}, third));
+  EXPECT_NEAR(calibrate_noise(more).front().standard_error,
+              found.front().standard_error / std::sqrt(3), 0.1 * found.front().standard_error);
   scans.push_back(scans.front());
   expect_error([&] { (void)calibrate_noise(scans); }, {"identical frames", "`seed`"});
 }
@@ -159,6 +177,17 @@ TEST(Photometry, AmbientMeasurementSolvesEquation35AtBrightPixels) {
   EXPECT_NEAR(estimate.mean, -7 + 37.0 / 30, 1e-9) << "the lamp draws the mean, not the mode";
   EXPECT_EQ(estimate.pixels, 21U * 30U);
   EXPECT_THROW(ambient_estimate(ambient_map(mean, modulation, light, 1, measured)), Error);
+}
+
+TEST(Photometry, AmbientEstimateIsTheFullestGreyLevel) {
+  // 60 values within half a grey level, and 20 in each of ten others.
+  Image<double> map({260, 1});
+  for (int i = 0; i < 260; ++i) map(i, 0) = i < 60 ? i / 120.0 : 10 + (i - 60) / 20.0;
+  EXPECT_NEAR(ambient_estimate(map).mode, 59 / 240.0, 1e-9);
+
+  Image<double> two({100, 1});
+  for (int i = 0; i < 100; i += 2) two(i, 0) = 2;
+  EXPECT_NEAR(ambient_estimate(two).variance, 100 / 99.0, 1e-9);
 }
 
 }  // namespace slipstream::photometry_test

@@ -47,6 +47,22 @@ RC_GTEST_PROP(Decoder, GivesTheCoordinateThatWasShown, ()) {
   }
 }
 
+TEST(Decoder, GivesTheCoordinateByEveryWayOfUnwrapping) {
+  constexpr int length = 500;
+  const auto exact = [](int i) { return (i - 0.4) / length; };
+  for (const Strategy& strategy :
+       {Strategy(MultiFrequency{.steps = {3}, .periods = {25, 20, 22}, .unwrapping = "heterodyne"}),
+        Strategy(MultiFrequency{.steps = {4, 3, 3}, .periods = {9.6, 11.3, 10.5}}),
+        Strategy(MicroPhaseShifting{.periods = {25, 23, 22, 19}}),
+        Strategy(GrayPhase{.steps = 5, .periods = 12, .reference = "inverse"})}) {
+    const BasicMaps<double> decoded = Decoder(
+        strategy.layout(), length, PhaseMethod::equation)(frames_of(strategy, length, exact));
+    for (int i = 0; i < length; ++i) {
+      ASSERT_NEAR(decoded.coordinate(i, 0), exact(i), 1e-6) << strategy.name() << ", " << i;
+    }
+  }
+}
+
 TEST(Decoder, FringeOrderIsRightUnderNoiseUpToTheEndsOfTheField) {
   // Noise of the low frequency carries its phase across 0 = 2 pi at both ends; no pixel may come
   // out at the wrong end or a fringe away. 20,000 pixels, among them every projector column's

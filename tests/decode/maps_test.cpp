@@ -45,6 +45,12 @@ TEST(Maps, FringeOrderConsensusFindsAPixelThatIsOffByAnOrder) {
   EXPECT_EQ(surface.count_unconfirmed(), 1);
 }
 
+TEST(Maps, FringeOrderConsensusIsWithinHalfAFringe) {
+  Surface surface;
+  surface.coordinate(4, 3) += 0.65 * fringe;  // its nearest neighbours lie 0.55 away
+  EXPECT_EQ(surface.unconfirmed()(4, 3), 1);
+}
+
 TEST(Maps, FringeOrderConsensusWantsMoreNeighboursWhereTheFrequenciesDisagree) {
   Surface surface;
   surface.coordinate(4, 3) += fringe;
@@ -68,6 +74,9 @@ TEST(Maps, FringeOrderConsensusListensToLitNeighboursOnly) {
   std::fill(surface.lit.begin(), surface.lit.end(), std::uint8_t{0});
   surface.lit(4, 3) = 1;
   EXPECT_EQ(surface.count_unconfirmed(), 1) << "nobody confirms a pixel that stands alone";
+  surface.lit(4, 4) = 1;
+  EXPECT_EQ(surface.count_unconfirmed(), 0) << "the one below and the one above confirm each other";
+  surface.lit(4, 4) = 0;
   surface.lit(5, 4) = 1;
   surface.coordinate(5, 4) += 2 * fringe;
   EXPECT_EQ(surface.count_unconfirmed(), 2) << "one of two is wrong; neither is shown as right";

@@ -1,5 +1,6 @@
 #include "decode/surface_orders.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -81,6 +82,45 @@ TEST(SurfaceOrders, LeaveOutASurfaceThatCouldHaveTwo) {
   });
   EXPECT_EQ(found(10, 10), scene.order(10, 10));
   EXPECT_EQ(found(60, 10), SurfaceOrders::none);
+}
+
+TEST(SurfaceOrders, LeaveOutASurfaceThatOneInTwentyPixelsExcludes) {
+  const TwoSurfaces scene;
+  const Image<int> found = scene.found([&](int column, int row) {
+    const int k = scene.order(column, row);
+    return (column + 2 * row) % 20 == 0 ? OrderRange{} : range(k, k);
+  });
+  EXPECT_EQ(found(10, 10), SurfaceOrders::none);
+}
+
+/// The orders that a coordinate gets if each pixel allows its own alone, whether all are right.
+bool are_right(const Image<double>& y, double second_ratio = 0) {
+  Image<float> phase(y.size());
+  SecondPhase second{.wrapped = phase, .ratio = static_cast<float>(second_ratio)};
+  Image<OrderRange> own(y.size());
+  for (std::size_t i = 0; i < y.pixel_count(); ++i) {
+    phase.begin()[i] = static_cast<float>(wrapped(y.begin()[i]));
+    second.wrapped.begin()[i] = static_cast<float>(wrapped(second_ratio * y.begin()[i]));
+    const int k = static_cast<int>(std::floor(periods * y.begin()[i]));
+    own.begin()[i] = range(k, k);
+  }
+  const Image<int> found =
+      SurfaceOrders()(phase, by_possible_orders(own), second_ratio > 0 ? &second : nullptr);
+  return std::ranges::equal(found, own, {}, {}, &OrderRange::first);
+}
+
+TEST(SurfaceOrders, PartSurfacesAThirdOfAPeriodApart) {
+  Image<double> y({80, 40});
+  for (const double apart : {3.3, 3.0}) {
+    for (int row = 0; row < 40; ++row) {
+      for (int column = 0; column < 80; ++column) {
+        y(column, row) = 0.2 + 0.001 * column + (column < 40 ? 0 : apart / periods);
+      }
+    }
+    // Of whole periods only a second phase tells.
+    EXPECT_EQ(are_right(y), apart == 3.3);
+    EXPECT_TRUE(are_right(y, 1.25));
+  }
 }
 
 TEST(SurfaceOrders, LeaveOutWhatIsSmallOrNowhere) {

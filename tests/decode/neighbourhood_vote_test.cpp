@@ -107,6 +107,40 @@ TEST(NeighbourhoodVote, NeighbourhoodFringeOrderEvidenceOfItsOwnStandsAgainstThe
   EXPECT_EQ(surface.count_wrong(), 1);
 }
 
+TEST(NeighbourhoodVoteEvidence, IsTheLikelihoodOfTheCoordinate) {
+  const Layout layout = Strategy(PhaseChannelMultiplexing{.steps = 3}).layout();
+  const CueEvidence evidence(layout, {.ambient = 7});
+  const CueCost& cost = evidence.cost();
+  const auto slope_at = [&](double y) {
+    return cost.steady + cost.c2 / cost.c1 * cost.reference(y);
+  };
+  const CuePixel pixel{.modulation = 40, .cue = cost.constant_light + 40 * slope_at(0.45)};
+
+  // Minus twice its logarithm, integrated over the true modulation.
+  const auto expected = [&](double y) {
+    double sum = 0;
+    for (double b = 0; b < 100; b += 0.01) {
+      const double off = pixel.modulation - b;
+      const double cue = pixel.cue - cost.constant_light - slope_at(y) * b;
+      sum += std::exp(-off * off / cost.component_variance / 2 - cue * cue / cost.cue_variance / 2);
+    }
+    return -2 * std::log(sum);
+  };
+  for (const double y : {0.4, 0.45, 0.47}) {
+    EXPECT_NEAR(evidence.cost(pixel, y) - evidence.cost(pixel, 0.5), expected(y) - expected(0.5),
+                1e-6)
+        << "y " << y;
+  }
+
+  EXPECT_FALSE(evidence.lit({.modulation = 0.99 * evidence.dimmest_lit()}));
+  EXPECT_TRUE(evidence.lit({.modulation = 1.01 * evidence.dimmest_lit()}));
+}
+
+TEST(NeighbourhoodVoteEvidence, OfACircleHasNoEnd) {
+  const CueEvidence evidence(Strategy(PeriodCoded{}).layout(), {});
+  EXPECT_NEAR(evidence.doubt({.modulation = 50, .cue = 20}, 1), 0, 1e-9);
+}
+
 }  // namespace slipstream::neighbourhood_fringe_order_test
 
 // Wires before a slanted plane, without blur: thin things that the neighbours must not vote away.

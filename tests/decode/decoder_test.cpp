@@ -53,6 +53,7 @@ TEST(Decoder, GivesTheCoordinateByEveryWayOfUnwrapping) {
   for (const Strategy& strategy :
        {Strategy(MultiFrequency{.steps = {3}, .periods = {25, 20, 22}, .unwrapping = "heterodyne"}),
         Strategy(MultiFrequency{.steps = {4, 3, 3}, .periods = {9.6, 11.3, 10.5}}),
+        Strategy(MultiFrequency{.steps = {3}, .periods = {13, 15}, .unwrapping = "number-theory"}),
         Strategy(MicroPhaseShifting{.periods = {25, 23, 22, 19}}),
         Strategy(GrayPhase{.steps = 5, .periods = 12, .reference = "inverse"})}) {
     const BasicMaps<double> decoded = Decoder(

@@ -137,7 +137,8 @@ TEST(NeighbourhoodVoteEvidence, IsTheLikelihoodOfTheCoordinate) {
 }
 
 TEST(NeighbourhoodVoteEvidence, OfACircleHasNoEnd) {
-  const CueEvidence evidence(Strategy(PeriodCoded{}).layout(), {});
+  const CueEvidence evidence(Strategy(PhaseChannelMultiplexing{.steps = 5}).layout(), {});
+  ASSERT_TRUE(evidence.is_circle());
   EXPECT_NEAR(evidence.doubt({.modulation = 50, .cue = 20}, 1), 0, 1e-9);
 }
 

@@ -114,7 +114,7 @@ TEST(SurfaceOrders, PartSurfacesAThirdOfAPeriodApart) {
   for (const double apart : {3.3, 3.0}) {
     for (int row = 0; row < 40; ++row) {
       for (int column = 0; column < 80; ++column) {
-        y(column, row) = 0.2 + 0.001 * column + (column < 40 ? 0 : apart / periods);
+        y(column, row) = 0.2 + 0.003 * column + (column < 40 ? 0 : apart / periods);
       }
     }
     // Of whole periods only a second phase tells.

@@ -38,7 +38,6 @@ void calibrate_residual(const CalibrateResidualFlags& flags, Output& output) {
   Scan scan = load_checkable(flags.scan, flags.changes, false, output);
   throw_if(scan.other_axis.empty(), "{}: a residual map requires patterns along both axes",
            flags.scan);
-  output.list("findings");
   const ScanResult result = result_of(std::move(scan), flags.scan, settings, output);
 
   // 2. The map that held-out parts of the picture support.

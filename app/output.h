@@ -104,7 +104,7 @@ nlohmann::json as_json(const Values& values, const Describe& describe) {
   return list;
 }
 
-/// Four rows of four.
+/// A pose as a matrix: four rows of four, with the translation in mm.
 nlohmann::json json_of(const Eigen::Isometry3d& pose);
 
 /// A pose: `from`, `to`, and `matrix_mm`.

@@ -201,8 +201,10 @@ void require_possible(const ReconstructFlags& flags, const LoadedScan& loaded, b
            "--motion-map needs one camera and extra frames: --motion 2");
 
   const bool rejects = rejects_reflection(job.setup.settings.clean);
-  throw_if(rejects && two_cameras,
-           "--reflection and --local-reflection need one camera, or cameras that are fused");
+  throw_if(
+      rejects && two_cameras,
+      "--reflection and --local-reflection need one camera, or cameras that are fused and patterns "
+      "of several frequencies");
   throw_if(!flags.files.reflection.empty() && !rejects,
            "--reflection-map needs --reflection or --local-reflection");
 }
@@ -226,7 +228,10 @@ void reconstruct_scan(LoadedScan& loaded, const ReconstructFlags& flags, Reused&
         "{}: minimum modulation is {:.1f} instead of {:.1f}: below it noise hides the fringe order",
         name, result.least_modulation, minimum);
   }
-  if (!result.gamma.sentence.empty()) output.say("{}: {}", name, result.gamma.sentence);
+  const bool depends_on_gamma = !two_cameras || !loaded.fuses;  // what its sentence says
+  if (depends_on_gamma && !result.gamma.sentence.empty()) {
+    output.say("{}: {}", name, result.gamma.sentence);
+  }
   if (!two_cameras && !reused.fallback_printed) {
     const bool chosen = result.setup.settings.engine != EngineKind::automatic;
     reused.fallback_printed = tell_fallback(result.fallback_reason, chosen, output);

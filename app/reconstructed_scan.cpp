@@ -166,6 +166,7 @@ void check_cameras(Scan scan, const ReconstructFlags& flags, LoadedScan& loaded)
   }
 
   loaded.job = checked_scan(std::move(scans.front()), name, settings, result.held);
+  settings.photometry = {};  // the first camera's
   for (std::size_t i = 1; i < scans.size(); ++i) {
     const std::string camera = fmt::format("{}, camera {}", name, i + 1);
     throw_if(!scans[i].scanner, "{}: its scanner is unknown; name its file with --second-scanner",
@@ -285,10 +286,10 @@ void tell(const ReconstructedScan& scan, Output& output) {
   const ScanResult& result = scan.result;
   if (scan.fused) {
     const bool by_match = !has_coordinate(result.setup.sequence.strategy);
-    output.say("{}: {} points, {:.3g} mm apart, of {} cameras with {} points; {}:",
-               text_of(scan.name), scan.fused->points.size(), scan.fused->spacing,
-               scan.points_of_cameras.size(), fmt::join(scan.points_of_cameras, ", "),
-               by_match ? "their match" : "the first camera");
+    output.say(
+        "{}: {} points, {:.3g} mm apart, of {} cameras with {} points; {}:", text_of(scan.name),
+        scan.fused->points.size(), scan.fused->spacing, scan.points_of_cameras.size(),
+        fmt::join(scan.points_of_cameras, ", "), by_match ? "their match" : "the first camera");
   }
   const std::string done = scan.output == ScanOutput::maps
                                ? fmt::format("measured {}", result.counts[0])

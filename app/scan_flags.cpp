@@ -262,14 +262,15 @@ CheckedJob checked_scan(Scan scan, const std::string& name, const ScanJobSetting
   return job;
 }
 
-ScanResult result_of(Scan scan, const std::string& path, const ScanJobSettings& job,
+ScanResult result_of(Scan scan, const std::string& name, const ScanJobSettings& settings,
                      Output& output) {
-  const CheckedJob checked = checked_scan(std::move(scan), path, job, output);
-  ScanResult result = ScanJob(job)(checked, path);
+  const CheckedJob job = checked_scan(std::move(scan), name, settings, output);
+  ScanResult result = ScanJob(settings)(job, name);
 
   const std::vector<Finding>& findings = result.checked.findings;
-  for (const Finding& finding : findings) output.list("findings").push_back(finding);
-  warn_of_findings(findings, checked.checked.findings.size(), path, output);
+  nlohmann::json& listed = output.list("findings");  // also if there are none
+  for (const Finding& finding : findings) listed.push_back(finding);
+  warn_of_findings(findings, job.checked.findings.size(), name, output);
   return result;
 }
 

@@ -28,7 +28,7 @@ bool is_pattern_switch(const std::string& word);
 /// Adds --scanner, --camera-bits, --camera-region, --grey-patch and the flags of add_scan_flags.
 void add_input_flags(CLI::App& subcommand, ScanChanges& changes);
 
-/// Adds these, --gamma, --ambient-light and --noise-variance.
+/// Adds the flags of add_input_flags, --gamma, --ambient-light and --noise-variance.
 void add_scan_input_flags(CLI::App& subcommand, ScanChanges& changes, ScanJobSettings& job);
 
 /// Adds --grey-patch.
@@ -82,7 +82,7 @@ CheckedJob checked_scan(Scan scan, const std::string& name, const ScanJobSetting
                         Output& output);
 
 /// Checks and reconstructs a scan; prints and lists all findings. Throws Error as ScanJob.
-ScanResult result_of(Scan scan, const std::string& path, const ScanJobSettings& job,
+ScanResult result_of(Scan scan, const std::string& name, const ScanJobSettings& settings,
                      Output& output);
 
 /// Prints how well a scan and its guard meet, after `prefix`.

@@ -87,6 +87,8 @@ void add_timeline(view::ViewSource& source, const ScanFiles& files) {
 
   // Times of frames count from the first one.
   const RecordingReader& recording = *files.recording;
+  if (recording.count() < 2) return;
+
   Frame last;
   recording.read(recording.count() - 1, last);
   const std::chrono::duration<double> time = last.stamp.host_time.time_since_epoch();

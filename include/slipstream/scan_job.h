@@ -26,7 +26,8 @@ struct ScanJobSettings {
   /// How the response is chosen that phases are corrected for: see choose_gamma. Two cameras match
   /// phases as measured.
   std::string gamma = "scanner";
-  /// Ambient light and noise variance, which replace those of the first camera's scanner, if set.
+  /// Ambient light and noise, which replace those of the first camera's scanner, if set; without a
+  /// scanner all of it is used.
   PhotometricCalibration photometry{};
 
   ScanOutput output = ScanOutput::points;
@@ -76,9 +77,9 @@ struct ScanCheck {
   std::optional<EpipolarCheck> guard{};  ///< nullopt if nothing was compared
 };
 
-/// Chooses the response, which the scan's scanner receives; checks the scan, with or without a
-/// scanner, and puts slipped frames in order; then, unless it is refused, compares it with its
-/// guard. Throws Error as compare_with_guard.
+/// Chooses the response, which the scan's scanner receives as it does the light and noise of the
+/// settings; checks the scan, with or without a scanner, and puts slipped frames in order; then,
+/// unless it is refused, compares it with its guard. Throws Error as compare_with_guard.
 ScanCheck check(Scan& scan, const ScanJobSettings& settings = {});
 
 /// A source of error of a scan's points.

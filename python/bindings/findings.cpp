@@ -122,6 +122,9 @@ void bind_check(py::module_& module) {
       Returns:
           list[Finding]
 
+      Raises:
+          Error: if gamma is unknown, or the scanner does not fit a scan that has a guard.
+
       Example:
           >>> slipstream.check(scan)
           []

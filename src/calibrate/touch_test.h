@@ -30,8 +30,8 @@ TouchTest touch_test(std::span<const Eigen::Vector3d> points, const Eigen::Isome
 /// The same for light instead of a tip: the outer corner of the board that is nearest to each
 /// point, less the place where the projector's ray to that point meets the board. An error along
 /// these rays does not show. `view`: a scan of the board along both axes. `points`: corners as the
-/// robot has them, mm, in its base frame. Throws Error if such a corner is not lit, and without
-/// points.
+/// robot has them, mm, in its base frame. Throws Error if such a corner is not lit, if two points
+/// have the same one, and without points.
 TouchTest projection_test(const BoardView& view, const CalibrationBoard& board,
                           const Scanner& scanner, const Eigen::Isometry3d& camera,
                           std::span<const Eigen::Vector3d> points);

@@ -56,25 +56,23 @@ std::vector<double> explained_shares(const JudgedScan& scan,
 }
 
 Finding finding_about(const std::vector<int>& frames, double residual, double limit) {
-  // Beyond this no pixel is right.
-  constexpr double hopeless = 0.15;
-
   const std::string which = frames.size() == 1
                                 ? fmt::format("frame {}", frames.front())
                                 : fmt::format("one of the frames {}", fmt::join(frames, ", "));
 
-  return {.kind = FindingKind::pattern_mismatch,
-          .severity = residual > hopeless ? Severity::wrong : Severity::doubtful,
-          .what = fmt::format("{} contradicts the others: over {:g} % of the frames' variation is "
-                              "unexplained",
-                              which, 100 * limit),
-          .evidence = {{.name = "unexplained share of the variation",
-                        .value = residual,
-                        .limit = limit}},
-          .causes = {{CauseKind::unclear, "a frame out of focus, shaken, or lit by other light"}},
-          .remedies = {{"capture the scan again; hold camera, projector and object still, and "
-                        "switch off automatic focus"}},
-          .frames = frames};
+  return {
+      .kind = FindingKind::pattern_mismatch,
+      .severity = residual > FitLimits::hopeless_residual ? Severity::wrong : Severity::doubtful,
+      .what = fmt::format("{} contradicts the others: over {:g} % of the frames' variation is "
+                          "unexplained",
+                          which, 100 * limit),
+      .evidence = {{.name = "unexplained share of the variation",
+                    .value = residual,
+                    .limit = limit}},
+      .causes = {{CauseKind::unclear, "a frame out of focus, shaken, or lit by other light"}},
+      .remedies = {{"capture the scan again; hold camera, projector and object still, and "
+                    "switch off automatic focus"}},
+      .frames = frames};
 }
 
 }  // namespace

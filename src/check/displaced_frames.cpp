@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <iterator>
 
 #include <Eigen/Cholesky>
@@ -11,7 +12,7 @@
 namespace slipstream {
 namespace {
 
-/// By some of the pixels.
+/// Displacements of all frames, from a part of the pixels.
 struct Displacements {
   /// The part of `all` that `others`, displacements by other pixels, explain.
   [[nodiscard]] double explained_by(const Eigen::VectorXd& others) const {
@@ -38,7 +39,7 @@ void solve(Displacements& displaced) {
   displaced.moves = normal.ldlt().solve(displaced.right);
 }
 
-/// From every other group, from `first` (0 or 1) on.
+/// From every other group, beginning with `first`, 0 or 1.
 Displacements displacements(const JudgedScan& scan, std::size_t first) {
   using Place = ScanSamples::Place;
   constexpr std::array square{Place::middle, Place::right, Place::below, Place::right_below};
@@ -93,9 +94,9 @@ std::optional<Finding> displaced_frames(const JudgedScan& scan, const Fit& fit) 
 
   // Noise may look like motion: displacements by one half of the pixels must explain the other.
   const Displacements one = displacements(scan, 0), other = displacements(scan, 1);
-  const double explained =
-      (one.explained_by(other.moves) + other.explained_by(one.moves)) / (one.all + other.all);
-  if (!(explained >= least_explained)) return std::nullopt;
+  const double all = one.all + other.all;
+  const double explained = one.explained_by(other.moves) + other.explained_by(one.moves);
+  if (!(all > 0 && explained >= least_explained * all)) return std::nullopt;
 
   const Eigen::VectorXd moves = (one.moves + other.moves) / 2;
   const Eigen::Index count = moves.size() / 2;
@@ -107,14 +108,16 @@ std::optional<Finding> displaced_frames(const JudgedScan& scan, const Fit& fit) 
 
   return Finding{
       .kind = FindingKind::pattern_mismatch,
+      .severity =
+          fit.frames.residual > FitLimits::hopeless_residual ? Severity::wrong : Severity::doubtful,
       .what =
           fmt::format("frames are displaced against each other by over {:g} pixels", least_moved),
       .evidence = {{"displacement", largest, "pixels", least_moved},
                    {"unexplained share of the variation", fit.frames.residual}},
       .causes = {{CauseKind::unclear,
                   "camera, projector or object moved between the frames, or shook"}},
-      .remedies = {{"capture the scan again, and hold everything still; declare `motion` if the "
-                    "object must move"}}};
+      .remedies = {{"capture the scan again, and hold camera, projector and object still; if the "
+                    "object must move, use pmp or pcmp with extra frames for `motion`"}}};
 }
 
 }  // namespace slipstream

@@ -140,7 +140,7 @@ Cause unknown_gamma() {
 /// Names broad causes of frames that do not fit.
 void name_frames_broadly(const Fit& fit, bool response_known, Finding& finding) {
   // Beyond these, too few pixels are right to separate them from wrong ones.
-  constexpr double hopeless_agreement = 0.35, hopeless_offset = 0.25, hopeless_residual = 0.15;
+  constexpr double hopeless_agreement = 0.35, hopeless_offset = 0.25;
   // More would have been explained by a gamma.
   constexpr double most_by_gamma = 0.2;
 
@@ -149,7 +149,8 @@ void name_frames_broadly(const Fit& fit, bool response_known, Finding& finding) 
            (relation.agreement < hopeless_agreement || std::abs(relation.offset) > hopeless_offset);
   };
   const auto& relations = fit.frames.relations;
-  if (fit.frames.residual > hopeless_residual || std::ranges::any_of(relations, hopeless)) {
+  if (fit.frames.residual > FitLimits::hopeless_residual ||
+      std::ranges::any_of(relations, hopeless)) {
     finding.severity = Severity::wrong;
   }
 
@@ -255,7 +256,7 @@ std::optional<Finding> unlike_frames(const JudgedScan& scan, const Fit& fit) {
   return odd ? odd : displaced_frames(scan, fit);
 }
 
-/// Of a scan that fits.
+/// Faults that a scan may hide although it fits.
 std::vector<Finding> remaining_faults(const JudgedScan& scan, const Fit& fit,
                                       std::optional<MixedFrames> mixed,
                                       std::optional<ChangedLight> light) {

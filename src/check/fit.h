@@ -24,6 +24,7 @@ struct FitLimits {
   static constexpr double least_agreement = 0.6, most_offset = 0.1;
   // Correct scans: 0.014, real ones of twelve steps 0.07; with two frames swapped 0.15 to 0.4.
   static constexpr double most_residual = 0.1;
+  static constexpr double hopeless_residual = 0.15;     // beyond this no pixel is right
   static constexpr double most_residual_moving = 0.25;  // motion between frames: up to 0.15
   // Correct scans: 0.31, a real skull 0.43; with frames of two bands mixed up 0.7.
   static constexpr double most_ratio_spread = 0.6, most_seams = 0.015;

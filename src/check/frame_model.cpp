@@ -68,7 +68,7 @@ Eigen::MatrixXd complement_of(const Strategy& strategy, const Layout& layout) {
 }  // namespace
 
 FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& photometry,
-                       const FrameModel* bent_alike)
+                       const FrameModel* same_light)
     : sequence_(sequence),
       layout_(sequence.strategy.layout()),
       photometry_(photometry),
@@ -78,7 +78,7 @@ FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& p
       complement_(complement_of(sequence.strategy, layout_)) {
   std::iota(identity_.begin(), identity_.end(), 0);
 
-  if (photometry.response) correct_for(photometry.response->response, bent_alike);
+  if (photometry.response) correct_for(photometry.response->response, same_light);
 
   // The correction that each band's steps need, if any.
   for (std::size_t b = 0; b < layout_.bands.size(); ++b) {
@@ -102,22 +102,22 @@ FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& p
   }
 }
 
-void FrameModel::correct_for(const Response& response, const FrameModel* bent_alike) {
-  // A correction depends on the number of steps alone.
+void FrameModel::correct_for(const Response& response, const FrameModel* same_light) {
+  // With equal steps a correction depends on their number alone; other bands need their own.
   const auto is_known = [&](const Band& band) {
     const auto run = bent_run(band);
-    return run && bent_alike->corrections_.contains(run->steps);
+    return run && same_light->corrections_.contains(run->steps);
   };
-  if (bent_alike != nullptr && std::ranges::all_of(layout_.bands, is_known)) {
-    corrections_ = bent_alike->corrections_;
+  if (same_light != nullptr && std::ranges::all_of(layout_.bands, is_known)) {
+    corrections_ = same_light->corrections_;
   } else {
     constexpr double accuracy = 1e-4;  // rad: far below the limits of the check
     corrections_ = phase_corrections(response, layout_, accuracy);
   }
 
   // The light of shapes from 0 to 1, with one more entry for interpolation at 1.
-  if (bent_alike != nullptr) {
-    light_ = bent_alike->light_;
+  if (same_light != nullptr) {
+    light_ = same_light->light_;
     return;
   }
   constexpr int steps = 512;  // accurate to 1e-5 of the range

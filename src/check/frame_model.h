@@ -47,9 +47,9 @@ struct SampleReading {
 /// Model of a sequence's patterns, for comparison with frames.
 class FrameModel {
  public:
-  /// `bent_alike`: a model with the same photometry and light, whose corrections are taken over.
+  /// `same_light`: a model with the same photometry and light, whose corrections are taken over.
   FrameModel(const Sequence& sequence, const PhotometricCalibration& photometry,
-             const FrameModel* bent_alike = nullptr);
+             const FrameModel* same_light = nullptr);
 
   [[nodiscard]] const Layout& layout() const { return layout_; }
 
@@ -89,7 +89,7 @@ class FrameModel {
     return complement_ * frames;
   }
 
-  /// Without a cue: SampleReading::coarse alone.
+  /// SampleReading::coarse alone, faster than read(); only for models without a cue.
   [[nodiscard]] double coarse(const float* levels, const FrameOrder& order) const;
 
   /// Projection of a pixel's frames, in order, that removes its mean, its modulation and a small
@@ -103,7 +103,7 @@ class FrameModel {
 
  private:
   /// Takes over the corrections for a response, or computes them.
-  void correct_for(const Response& response, const FrameModel* bent_alike);
+  void correct_for(const Response& response, const FrameModel* same_light);
   void unwrap(SampleReading& reading, double cue) const;
   /// From single frames, and from bands that are unwrapped together.
   void fit_origin(const float* levels, const FrameOrder& order, SampleReading& reading) const;
@@ -112,11 +112,12 @@ class FrameModel {
   /// Modulation and phase, corrected for the response with that many steps; 0: uncorrected.
   [[nodiscard]] std::pair<double, double> sinusoid(const float* levels, const FrameOrder& order,
                                                    const Band& band, int steps) const;
-  /// The same of a whole band: with a carrier, free of it.
+  /// Modulation and phase of a band, without its carrier.
   [[nodiscard]] std::pair<double, double> demodulated(const float* levels, const FrameOrder& order,
                                                       std::size_t band) const;
   [[nodiscard]] double shape(int n, const SampleReading& reading) const;
-  /// Of pattern n there, 0 to 1: its shape through the response, if that is known.
+  /// Light of pattern n at the reading's coordinate, 0 to 1: its shape, through the response if
+  /// that is known.
   [[nodiscard]] double light(int n, const SampleReading& reading) const;
 
   Sequence sequence_;

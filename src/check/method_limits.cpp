@@ -199,6 +199,9 @@ std::pair<double, double> measured_gamma(const JudgedScan& scan, double most_off
     squares += error * error;
   }
 
+  // Frames without redundancy show nothing of gamma.
+  if (all.empty()) return {0, 1};
+
   const std::pair of_picture = fitted_gamma(all, most_offset);
   if (found.size() < 2) return of_picture;
 

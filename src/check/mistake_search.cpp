@@ -43,9 +43,9 @@ auto with_model(const JudgedScan& scan, const PossibleMistake& mistake, const Us
   const FrameOrder order = mistake.order.empty() ? scan.model.identity() : mistake.order;
   if (!mistake.sequence && !mistake.photometry) return use(scan.model, order);
 
-  const FrameModel* const bent_alike = mistake.photometry ? nullptr : &scan.model;
+  const FrameModel* const same_light = mistake.photometry ? nullptr : &scan.model;
   return use(FrameModel(mistake.sequence.value_or(scan.sequence),
-                        mistake.photometry.value_or(scan.photometry), bent_alike),
+                        mistake.photometry.value_or(scan.photometry), same_light),
              order);
 }
 

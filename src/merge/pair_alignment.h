@@ -56,9 +56,9 @@ struct AlignmentSettings {
   double most_contradictions = 0.01;  ///< share of the compared points
   double most_misfits = 0.25;         ///< share of the compared points
   double least_slope = 0.012;         ///< RMS, in the least known direction
-  /// Standard deviation of that motion, in units of the view's reach: as a turn, two of them are
-  /// 0.05 degrees.
-  double most_uncertain = 0.0004;
+  /// Standard deviation of that motion, in units of the view's reach: as a turn, 1.7 of them
+  /// are 0.05 degrees.
+  double most_uncertain = 0.0005;
   double alike = 0.35;  ///< share of the best score from which a second pose counts
 };
 

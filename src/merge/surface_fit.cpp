@@ -6,6 +6,7 @@
 #include <optional>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 
 #include "base/parallel_rows.h"
 #include "base/statistics.h"
@@ -198,12 +199,12 @@ void PatchScatter::add(std::size_t first, std::size_t second, const Eigen::Isome
   const auto cell_of = [&](const Eigen::Vector3d& place) {
     return cell_key((place / patch_).array().floor().cast<int>());
   };
+  // A robust fit follows a residual by the slope of its influence, not by its weight.
+  constexpr double small = 1e-3;
+  const auto influence = [](double residual) { return residual * tukey_weight(residual); };
   std::map<std::pair<std::uint64_t, std::uint64_t>, Vector6> between;
-  for (const SurfaceMatch& match : matches) {
-    constexpr double small = 1e-3;
 
-    // A robust fit follows a residual by the slope of its influence, not by its weight.
-    const auto influence = [](double residual) { return residual * tukey_weight(residual); };
+  for (const SurfaceMatch& match : matches) {
     const double spread = match.sigma * equations.scale, residual = match.distance / spread;
     slopes_ +=
         (influence(residual + small) - influence(residual - small)) / (2 * small * spread * spread);
@@ -216,9 +217,9 @@ void PatchScatter::add(std::size_t first, std::size_t second, const Eigen::Isome
   // 2. Sums over each patch. Two matches of the same two patches are in both of these sums.
   for (const auto& [cells, sum] : between) {
     const Eigen::VectorXd of_parameters = derivatives.transpose() * sum;
-    const Eigen::VectorXd none = Eigen::VectorXd::Zero(parameters);
+    const Eigen::VectorXd zero = Eigen::VectorXd::Zero(parameters);
     for (const Patch& patch : {Patch(first, cells.first), Patch(second, cells.second)}) {
-      sums_.try_emplace(patch, none).first->second += of_parameters;
+      sums_.try_emplace(patch, zero).first->second += of_parameters;
     }
     counted_twice_ += of_parameters * of_parameters.transpose();
   }
@@ -229,11 +230,11 @@ double PatchScatter::matches_each() const {
   Eigen::MatrixXd scatter = -counted_twice_;
   for (const auto& [patch, sum] : sums_) scatter += sum * sum.transpose();
 
-  // The mean over the parameters, of any units.
-  const double excess =
-      squares_.ldlt().solve(scatter).trace() / static_cast<double>(squares_.rows());
+  // The mean over the parameters that the matches determine, of any units.
+  const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> determined(squares_);
+  const double excess = determined.solve(scatter).trace() / static_cast<double>(determined.rank());
   const double followed = slopes_ / weights_;
-  return std::max(excess / (followed * followed), 1.0);
+  return std::max(1.0, excess / (followed * followed));
 }
 
 double extent_of(const std::vector<SurfaceMatch>& matches, const Eigen::Vector3d& centre) {

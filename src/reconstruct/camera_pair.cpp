@@ -1,5 +1,6 @@
 #include "reconstruct/camera_pair.h"
 
+#include <cstdint>
 #include <string_view>
 
 #include "base/throw_if-inl.h"
@@ -22,7 +23,8 @@ void require_pair(const Scanner& first, const Scanner& second, const PhaseMatchS
 
   for (const Scanner* const scanner : {&first, &second}) {
     const Size size = scanner->camera.size;
-    throw_if(size.width * size.height < least_row_width,
+    const std::int64_t pixels = std::int64_t{size.width} * size.height;
+    throw_if(size.width < 2 || size.height < 2 || pixels < least_row_width,
              "pictures of {} are too small to be matched", text_of(size));
   }
 

@@ -272,8 +272,15 @@ bool PhaseMatcher::is_certain(const PixelMatches& matches, std::size_t k) const 
     const float beside = tables.there.inverse_depth(column, row, y + period / 4);
     if (!(std::abs(w - guess) < std::abs(beside - guess))) return false;
 
-    const float seen =
-        coordinates(1)(static_cast<int>(at.x() + 0.5F), static_cast<int>(at.y() + 0.5F));
+    // The last step of a search may lead out of the picture.
+    const Image<float>& others = coordinates(1);
+    const float right = at.x() + 0.5F, down = at.y() + 0.5F;
+    if (!(right >= 0 && down >= 0 && right < static_cast<float>(others.width()) &&
+          down < static_cast<float>(others.height()))) {
+      return false;
+    }
+
+    const float seen = others(static_cast<int>(right), static_cast<int>(down));
     if (!(std::abs(seen - y) < period / 2)) return false;
   }
 
@@ -289,7 +296,7 @@ void PhaseMatcher::match_rows() {
   const Size size = first.validity.size();
 
   for_each_row(size.height, [&](int row) {
-    // 1. The row's valid pixels, and where the projector's light was.
+    // 1. The row's valid pixels with their projector coordinates.
     PixelMatches matches;
     for (int column = 0; column < size.width; ++column) {
       if (first.validity(column, row) != Validity::valid) continue;

@@ -57,8 +57,9 @@ std::vector<ScanResult> points_by_each_other(const CheckedJob& job, const ScanRe
     ScanResult& camera = cameras.emplace_back();
     EngineSetup& setup = camera.setup = setup_for(*scan, job.setup.settings);
     throw_if(setup.scanner.photometry.response.has_value(),
-             "points of a single frequency are not corrected for the response before they are "
-             "fused; match the cameras instead, or use patterns that give the fringe order");
+             "points of a single frequency are fused as measured, not corrected for the response; "
+             "match the cameras instead, use patterns that give the fringe order, or set `gamma "
+             "none` if the response is nearly linear");
 
     // 1. The camera's coordinates, as measured, in the orders that the other confirms. The match
     // has the first camera's; the second camera's come from the match back.

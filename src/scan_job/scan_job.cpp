@@ -30,20 +30,25 @@ GammaChoice choose_response_for(Scan& scan, const ScanJobSettings& settings) {
   return {.source = "two cameras", .sentence = "two cameras, independent of gamma"};
 }
 
-/// Replaces the ambient light and the noise variance that are set in `settings`.
+/// Replaces the ambient light and the noise that are set in `settings`.
 void replace_light(PhotometricCalibration& known, const PhotometricCalibration& settings) {
   if (settings.ambient) known.ambient = settings.ambient;
-  if (settings.noise_variance) known.noise_variance = settings.noise_variance;
+  if (!settings.noise_variance) return;
+
+  known.noise_variance = settings.noise_variance;
+  if (settings.noise_gain > 0) known.noise_gain = settings.noise_gain;
 }
 
-/// Light and noise of a scan: its scanner's with the settings', or these alone without one.
-PhotometricCalibration light_of(Scan& scan, const PhotometricCalibration& settings) {
+/// Sets the light and noise of `settings` in the scan's scanner. Returns what is known of the
+/// scan's light: the scanner's, or the settings' without one.
+PhotometricCalibration set_light(Scan& scan, const PhotometricCalibration& settings) {
   if (!scan.scanner) return settings;
   replace_light(scan.scanner->photometry, settings);
   return scan.scanner->photometry;
 }
 
-/// Checks and repairs a scan, whose response may then be another. `known`: without a scanner.
+/// Checks a scan and puts slipped frames in order; then `gamma` is chosen again. `known`: light and
+/// response of a scan without a scanner.
 CheckedScan checked_frames(Scan& scan, const ScanJobSettings& settings,
                            const PhotometricCalibration& known, GammaChoice& gamma) {
   CheckedScan checked =
@@ -193,7 +198,7 @@ CheckedJob checked_job(Scan scan, const ScanJobSettings& settings, const std::st
 
   Stopwatch watch;
   CheckedJob job{.scan = std::move(scan)};
-  PhotometricCalibration known = light_of(job.scan, settings.photometry);
+  PhotometricCalibration known = set_light(job.scan, settings.photometry);
   std::optional<Scanner> pair;
   if (has_pair) {
     pair = pair_of(job.scan, settings.photometry, name);
@@ -224,7 +229,7 @@ CheckedJob checked_job(Scan scan, const ScanJobSettings& settings, const std::st
 }
 
 ScanCheck check(Scan& scan, const ScanJobSettings& settings) {
-  PhotometricCalibration known = light_of(scan, settings.photometry);
+  PhotometricCalibration known = set_light(scan, settings.photometry);
   GammaChoice gamma = choose_response_for(scan, settings);
   known.response = gamma.response;
 

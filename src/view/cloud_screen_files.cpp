@@ -96,7 +96,10 @@ void CloudScreen::write(const std::string& path) {
     }
     write_cloud(path, cloud, extras);
   });
-  if (written) state_.message = fmt::format("saved: {}", path);
+  if (!written) return;
+
+  state_.message = fmt::format("saved: {}", path);
+  state_.path.fill('\0');  // the next time a dialog asks before it overwrites
 }
 
 }  // namespace slipstream::view

@@ -146,16 +146,12 @@ void draw_files(PanelState& state, PanelRequests& requests, const ViewSource& so
   ImGui::SetNextItemWidth(-1);
   const char* const hint =
       source.open ? "path, then Enter; or drop a file here" : "path of the file to save";
-  const bool entered = ImGui::InputTextWithHint(
-      "##path", hint, state.path.data(), state.path.size(), ImGuiInputTextFlags_EnterReturnsTrue);
-  if (entered && source.open) {
-    requests.file = {FileQuestion::open, state.path.data()};
-  }
+  bool opens = ImGui::InputTextWithHint("##path", hint, state.path.data(), state.path.size(),
+                                        ImGuiInputTextFlags_EnterReturnsTrue);
   pop_tab_stop();
 
-  if (source.open && ImGui::Button("Open ... (O)")) {
-    requests.file = {FileQuestion::open, state.path.data()};
-  }
+  if (source.open) opens |= ImGui::Button("Open ... (O)");
+  if (opens && source.open) requests.file = {FileQuestion::open, state.path.data()};
   if (!can_save) return;
 
   if (source.open) ImGui::SameLine();

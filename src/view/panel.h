@@ -42,7 +42,7 @@ struct PanelState {
   bool can_undo = false;    ///< a change of the setup can be taken back
   bool measures = false;    ///< the mouse measures; if false, it turns the cloud
   Measured measured;
-  std::array<char, 1024> path{};      ///< path of the file to open
+  std::array<char, 1024> path{};      ///< typed below Files: path to open or to save
   std::vector<std::string> openable;  ///< files beside the one shown
   double drawn_per_second = 0;
   float grid_mm = 0;

@@ -48,6 +48,7 @@ TEST_F(MeasureProgram, TellsTheSameOfAScanAndOfItsCloud) {
   std::vector<std::string> of_scan{path("scan"), "--noise-variance", "1.6"};
   of_scan.insert(of_scan.end(), asked.begin(), asked.end());
   const nlohmann::json scan = measured(of_scan);
+  EXPECT_EQ(scan["findings"], nlohmann::json::array());
   ASSERT_EQ(run_program({"reconstruct", path("scan"), "-o", path("cloud.pcd"), "--uncertainty",
                          "--noise-variance", "1.6"})
                 .exit_code,

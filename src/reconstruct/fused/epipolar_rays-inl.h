@@ -45,7 +45,7 @@ HWY_INLINE Pairs conjugate_product(Pairs a, Pairs b) {
   return {hn::MulAdd(a.x, b.x, hn::Mul(a.y, b.y)), hn::MulSub(a.y, b.x, hn::Mul(a.x, b.y))};
 }
 
-/// Its angle, rad, -pi to pi; NaN if a is.
+/// Angle of a conj(b), rad, -pi to pi; NaN if a is.
 HWY_INLINE Floats angle_between(Pairs a, Pairs b) {
   const FloatTag d;
   const Pairs product = conjugate_product(a, b);
@@ -168,6 +168,7 @@ class Rays {
   HWY_INLINE Rays(const EpipolarLines& lines, Ints pixels) : lines_(lines) {
     const FloatTag d;
     const IntTag di;
+    static_assert(sizeof(EpipolarLines::Ray) == (3 + EpipolarLines::terms) * sizeof(float));
     const auto* const numbers = reinterpret_cast<const float*>(lines.rays.begin());
     const Ints first = hn::Mul(pixels, hn::Set(di, sizeof(EpipolarLines::Ray) / sizeof(float)));
     for (int k = 0; k < 3; ++k) turned_[k] = hn::GatherIndex(d, numbers + k, first);

@@ -1,4 +1,4 @@
-// Matches of two cameras: Newton's method along epipolar lines, and a search where it fails.
+// Matches of two cameras along epipolar lines, and comparison of their phases at given points.
 #include "reconstruct/fused/match_rows.h"
 
 #include <algorithm>
@@ -33,7 +33,7 @@ struct Matches {
     slope = hn::IfThenElse(where, other.slope, slope);
   }
 
-  /// Whether there is a match: w is neither NaN nor negative nor infinite.
+  /// Whether there is a match: w is positive and finite.
   [[nodiscard]] HWY_INLINE FloatMask found() const {
     const FloatTag d;
     return hn::And(hn::Gt(w, hn::Zero(d)), hn::IsFinite(w));
@@ -77,9 +77,8 @@ class LineSearch {
     const Floats limit = hn::Div(hn::Set(d, static_cast<float>(farthest)), line.speed);
 
     Matches found = no_matches();
-    found.speed = line.speed;
     FloatMask open = hn::Gt(start, hn::Zero(d));
-    Floats w = start, along = start;
+    Floats w = start, along = nans();
 
     for (int n = 0; n < most_steps; ++n) {
       const Floats apart = difference(i, at);

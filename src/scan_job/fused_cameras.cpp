@@ -26,6 +26,25 @@ Eigen::Isometry3d to_first(const Scanner& camera, const Scanner& first) {
   return rig_of(first).inverse() * rig_of(camera);
 }
 
+/// The points where a camera's rays meet the projector's light at its coordinates, and how noise
+/// moves them. `match`: has the grey levels. Throws Error if the phases should be corrected first.
+ScanResult points_as_measured(const Scan& scan, EngineSetup setup, Maps maps, const Cloud& match) {
+  throw_if(setup.scanner.photometry.response.has_value(),
+           "points of a single frequency are fused as measured, not corrected for the response; "
+           "match the cameras instead, use patterns that give the fringe order, or set `gamma "
+           "none` if the response is nearly linear");
+
+  ScanResult camera;
+  camera.setup = std::move(setup);
+  camera.maps = std::move(maps);
+  camera.cloud = cloud_of_coordinates(converted<double>(camera.maps.coordinate), camera.setup);
+  camera.cloud.intensity = match.intensity;
+  camera.cloud.colour = colours_of(camera.cloud, scan);
+  camera.uncertainty =
+      uncertainty_of(camera.cloud, camera.maps, camera.setup, scan.frames.views().full_scale());
+  return camera;
+}
+
 }  // namespace
 
 std::vector<Scan> scans_of_cameras(Scan scan) {
@@ -50,35 +69,20 @@ ReconstructSettings settings_for(const Scanner& camera, const Scanner& first,
 }
 
 std::vector<ScanResult> points_by_each_other(const CheckedJob& job, const ScanResult& matched) {
-  const Scan &first = job.scan, &second = job.scan.further_cameras.front();
+  const Scan &first = job.scan, &second = first.further_cameras.front();
   std::vector<ScanResult> cameras;
 
-  for (const Scan* const scan : {&first, &second}) {
-    ScanResult& camera = cameras.emplace_back();
-    EngineSetup& setup = camera.setup = setup_for(*scan, job.setup.settings);
-    throw_if(setup.scanner.photometry.response.has_value(),
-             "points of a single frequency are fused as measured, not corrected for the response; "
-             "match the cameras instead, use patterns that give the fringe order, or set `gamma "
-             "none` if the response is nearly linear");
+  // 1. The match has the first camera's coordinates, in the orders that the second confirms.
+  cameras.push_back(
+      points_as_measured(first, setup_for(first, job.setup.settings), matched.maps, matched.cloud));
 
-    // 1. The camera's coordinates, as measured, in the orders that the other confirms. The match
-    // has the first camera's; the second camera's come from the match back.
-    PhaseMatcher::Result back;
-    if (scan == &second) {
-      setup.settings = settings_for(setup.scanner, job.setup.scanner, setup.settings);
-      back = PhaseMatcher(setup.scanner, setup_for(first).scanner, setup.sequence, setup.settings,
-                          {.window = 0})(second, first);
-    }
-    camera.maps = scan == &first ? matched.maps : std::move(back.maps);
-
-    // 2. Where the camera's rays meet the projector's light there, and how noise moves these
-    // points.
-    camera.cloud = cloud_of_coordinates(converted<double>(camera.maps.coordinate), setup);
-    camera.cloud.intensity = (scan == &first ? matched.cloud : back.cloud).intensity;
-    camera.cloud.colour = colours_of(camera.cloud, *scan);
-    camera.uncertainty =
-        uncertainty_of(camera.cloud, camera.maps, setup, scan->frames.views().full_scale());
-  }
+  // 2. The match back has the second camera's.
+  EngineSetup setup = setup_for(second, job.setup.settings);
+  setup.settings = settings_for(setup.scanner, job.setup.scanner, setup.settings);
+  PhaseMatcher match_back(setup.scanner, setup_for(first).scanner, setup.sequence, setup.settings,
+                          {.window = 0});
+  const PhaseMatcher::Result back = match_back(second, first);
+  cameras.push_back(points_as_measured(second, std::move(setup), back.maps, back.cloud));
 
   return cameras;
 }

@@ -39,8 +39,8 @@ void replace_light(PhotometricCalibration& known, const PhotometricCalibration& 
   if (settings.noise_gain > 0) known.noise_gain = settings.noise_gain;
 }
 
-/// Sets the light and noise of `settings` in the scan's scanner. Returns what is known of the
-/// scan's light: the scanner's, or the settings' without one.
+/// Gives the scan's scanner the ambient light and the noise that `settings` has, and returns its
+/// photometric calibration; without a scanner, returns `settings`.
 PhotometricCalibration set_light(Scan& scan, const PhotometricCalibration& settings) {
   if (!scan.scanner) return settings;
   replace_light(scan.scanner->photometry, settings);

@@ -47,10 +47,13 @@ def cases_of(file, room):
 
 
 def first_complaint(test):
-    """The line of a test's output that says what is wrong."""
+    """The lines of a test's output that say what is wrong: CMake tells the file first, then why."""
     lines = (test.findtext("system-out") or "").splitlines()
-    wrong = [line for line in lines if re.search(r"error|fail|not ok|skipped", line, re.I)]
-    return (wrong or lines[-1:] or [""])[0].strip()
+    for sign in (r"error:|CMake Error", r"error|fail|not ok|skipped"):
+        for at, line in enumerate(lines):
+            if re.search(sign, line, re.I):
+                return " ".join(lines[at:at + 4])
+    return " ".join(lines[-1:])
 
 
 def tests_of(folder):

@@ -7,8 +7,10 @@ import json
 import pathlib
 import re
 import tarfile
+import tomllib
 
-SOURCES = pathlib.Path(__file__).parents[2]
+from pages import PROGRAM, SOURCES
+
 CMAKE = (SOURCES / "CMakeLists.txt").read_text()
 
 
@@ -44,6 +46,22 @@ def test_features_of_the_port_are_those_of_its_manifest():
     port = said("packaging/vcpkg/portfile.cmake", r"FEATURES\n((?: +\w+ SLIPSTREAM_\w+\)?\n)+)")
     manifest = json.loads((SOURCES / "packaging/vcpkg/vcpkg.json").read_text())
     assert re.findall(r"^ +(\w+)", port, re.M) == list(manifest["features"])
+
+
+def test_the_wheel_of_setuptools_holds_what_is_built():
+    setup, python = ((SOURCES / path).read_text() for path in ("setup.py", "python/CMakeLists.txt"))
+    settings = tomllib.loads((SOURCES / "pyproject.toml").read_text())["tool"]["setuptools"]
+    [package], built = settings["packages"], pathlib.Path(PROGRAM).parent / "python"
+    assert (SOURCES / settings["package-dir"][""] / package / "__init__.py").exists()
+
+    extension = re.search(r'Extension\("(.*?)"', setup)[1].replace(".", "/")
+    packed = [f"{extension}.*.so", *(f"{package}/{name}" for name in settings["package-data"][package])]
+    assert not [name for name in packed if not any(built.glob(name))], "pyproject.toml, setup.py"
+
+    target, component = (re.search(rf'"--{flag}", "(\w+)"', setup)[1]
+                         for flag in ("target", "component"))
+    assert f"pybind11_add_module({target} " in python
+    assert set(re.findall(r"COMPONENT (\w+)", python)) == {component}
 
 
 def test_the_container_copies_what_debian_packages_are_called():

@@ -1,13 +1,13 @@
 #include "slipstream/geometry_calibration.h"
 
 #include <cmath>
-#include <numbers>
 #include <ostream>
 #include <string>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "base/numbers.h"
 #include "calibrate/board_view.h"
 #include "slipstream/board_capture.h"
 #include "slipstream/named_scenes.h"
@@ -23,8 +23,6 @@ void PrintTo(const CalibrationBoard& board, std::ostream* out) {
 }
 
 namespace {
-
-constexpr double degree = std::numbers::pi / 180;
 
 double angle_between(const Scanner& a, const Scanner& b) {
   return Eigen::AngleAxisd(a.rotation.transpose() * b.rotation).angle();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "base/statistics.h"
@@ -35,6 +36,15 @@ double noise_of(std::span<const double> values) {
   return deviation_from_median(median(std::move(differences))) / std::sqrt(6);
 }
 
+/// The mean between the quartiles of a non-empty list: as robust as the median to a quarter of
+/// outliers on either side, but not stuck at 0 if a few of the values, of 8-bit frames, repeat.
+double mean_between_quartiles(std::vector<double> values) {
+  std::ranges::sort(values);
+  const auto quarter = static_cast<std::ptrdiff_t>(values.size() / 4);
+  const auto begin = values.begin() + quarter, end = values.end() - quarter;
+  return std::accumulate(begin, end, 0.0) / static_cast<double>(end - begin);
+}
+
 }  // namespace
 
 DepthChange depth_change(const Image<float>& before, const Image<float>& now) {
@@ -60,12 +70,12 @@ DepthChange depth_change(const Image<float>& before, const Image<float>& now) {
            "only {} pixels have a point in both scans; expected at least {} to compare them",
            all.size(), least);
 
-  // 2. The median of all, and the spread of the medians of parts that have enough pixels.
-  DepthChange change{.median = median(all)};
+  // 2. The mean of all, and the spread of the means of parts that have enough pixels.
+  DepthChange change{.mean = mean_between_quartiles(std::move(all))};
   Squares uneven;
   for (std::vector<double>& changes : in_part) {
     if (changes.size() < least) continue;
-    const double about = median(std::move(changes)) - change.median;
+    const double about = mean_between_quartiles(std::move(changes)) - change.mean;
     uneven.add(about * about);
   }
 

@@ -10,8 +10,9 @@ namespace slipstream {
 
 /// How the depth of a fixed scene has changed, mm.
 struct DepthChange {
-  double median = 0;  ///< over the picture
-  double uneven = 0;  ///< RMS over 4x4 parts of the picture of their medians about that one
+  double mean = 0;  ///< of the pixels between the quartiles
+  /// RMS of these means of 4x4 parts of the picture about the picture's.
+  double uneven = 0;
 };
 
 /// Compares pixels that have a point, not NaN, in both. Throws Error if sizes differ or fewer than

@@ -82,9 +82,9 @@ TEST(DepthDrift, TellsAShiftFromATilt) {
   std::fill_n(shifted.begin() + 2000, 500, std::numeric_limits<float>::quiet_NaN());
 
   const DepthChange shift = depth_change(before, shifted), tilt = depth_change(before, tilted);
-  EXPECT_EQ(shift.median, 0.25);
+  EXPECT_EQ(shift.mean, 0.25);
   EXPECT_EQ(shift.uneven, 0);
-  EXPECT_NEAR(tilt.median, 0, 0.01);
+  EXPECT_NEAR(tilt.mean, 0, 0.01);
   // The middles of four equal parts of 0.64 mm.
   EXPECT_NEAR(tilt.uneven, 0.16 * std::sqrt(1.25), 0.01);
 

@@ -70,6 +70,7 @@ TEST(TouchTest, OnePointOffIsNoErrorOfTheCalibration) {
   const TouchTest test = touch_test(all.points, all.camera, all.tools, tip);
   EXPECT_STREQ(verdict_of(test, 0.3).grade, "usable");
   EXPECT_NEAR(test.differences[4].x(), 1.5, 1e-6);
+  EXPECT_NEAR(test.standard_error.x(), 1.5 / 9, 1e-6);  // as one of nine is off
 }
 
 TEST(TouchTest, NeedsATouchForEachPoint) {

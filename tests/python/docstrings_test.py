@@ -121,6 +121,19 @@ def test_stated_defaults_are_those_of_the_module(tmp_path):
         slipstream.calibrate_geometry(tmp_path, **stated_defaults("calibrate_geometry"))
 
 
+def test_the_module_takes_every_stated_keyword(dual):
+    scan, scanner = dual.scan, dual.scan.scanner
+    members = arguments_of(dict(stubs())["Scanner.__init__"])
+    slipstream.Scanner(**{name: getattr(scanner, name) for name in members})
+
+    slipstream.Engine(scanner, scan.sequence, **stated_defaults("Engine.__init__"))
+    slipstream.decode(scan.frames, scan.sequence, **stated_defaults("decode"))
+    slipstream.reconstruct(scan, **stated_defaults("reconstruct")).cleaned(
+        **stated_defaults("Cloud.cleaned"))
+    slipstream.simulate(scan.sequence, **stated_defaults("simulate"))
+    slipstream.Live("virtual", scan.sequence, **stated_defaults("Live.__init__"))
+
+
 def test_every_keyword_is_described():
     taken = {name for source in (SOURCES / "python" / "bindings").glob("*.cpp")
              for call in re.findall(r"\bkeywords\.(?:take|need)\((.*?)\);",

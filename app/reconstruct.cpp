@@ -22,7 +22,6 @@
 #include "io/file.h"
 #include "io/model_file.h"
 #include "merge/model_surface.h"
-#include "scan_job/fused_cameras.h"
 #include "slipstream/scan_job.h"
 #include "slipstream/surface.h"
 
@@ -56,8 +55,10 @@ void require_uncertainty_possible(const EngineSetup& setup, bool two_cameras, Ou
 }
 
 /// Writes the cloud of several cameras, and its surface.
-void write_model_files(const ResultFiles& files, const FusedModel& model,
+void write_model_files(const ResultFiles& files, FusedModel model,
+                       const std::shared_ptr<const FramePose>& frame,
                        const std::vector<std::string>& remarks) {
+  if (frame) move_to_frame(model, *frame);
   if (!files.cloud.empty()) write_model(files.cloud, model, remarks);
   if (!files.mesh.empty()) write_surface(files.mesh, surface_of(mesh_of(model)));
 }
@@ -70,10 +71,10 @@ void write_files(const ReconstructFlags& flags, const ReconstructedScan& scan) {
   ResultFiles maps = scan.files;
   maps.cloud.clear();
   const std::shared_ptr<const FramePose>& frame = wanted_frame(flags.job.reconstruct);
-  if (scan.fused) maps.mesh.clear();
+  if (result.fused) maps.mesh.clear();
   write_results(maps, result.cloud, result.maps, {.frame = frame});
   const std::vector<std::string> remarks = remarks_about(result.checked.findings);
-  if (scan.fused) return write_model_files(scan.files, *scan.fused, remarks);
+  if (result.fused) return write_model_files(scan.files, *result.fused, frame, remarks);
 
   // The points that remain on a coarser grid.
   std::optional<Normals> normals;
@@ -119,20 +120,14 @@ std::optional<PredictedRms> predicted_error(const FrameViews& frames, ScanJob& j
 
 /// State passed from one scan to the next.
 struct Reused {
-  /// A job for each kind of result and camera: 0 if cameras are not fused, else the camera's number
-  /// from 1.
-  std::map<std::pair<ScanOutput, std::size_t>, ScanJob> jobs;
+  std::map<ScanOutput, ScanJob> jobs;  ///< one for each kind of result
   bool fallback_printed = false;
   bool unguarded_printed = false;
 
-  ScanJob& job_of(const LoadedScan& loaded, std::size_t camera, const ReconstructFlags& flags) {
-    const ScanOutput output = loaded.scan.output;
+  ScanJob& job_of(ScanOutput output, const ReconstructFlags& flags) {
     ScanJobSettings settings = flags.job;
     settings.output = output;
-
-    // Points are weighted by their noise. Those of matched cameras get theirs when they are fused.
-    if (loaded.fuses) settings.uncertainty = !loaded.further.empty();
-    return jobs.try_emplace({output, loaded.fuses ? camera : 0}, settings).first->second;
+    return jobs.try_emplace(output, settings).first->second;
   }
 };
 
@@ -147,50 +142,15 @@ void tell_unguarded(const ReconstructedScan& scan, const Scan& taken, Reused& re
              text_of(scan.name));
 }
 
-/// Reconstructs further cameras and fuses the points of all.
-void fuse_cameras(LoadedScan& loaded, const ReconstructFlags& flags, Reused& reused) {
-  ReconstructedScan& scan = loaded.scan;
-  std::vector<ScanResult> cameras;
-  if (loaded.further.empty()) {
-    cameras = points_by_each_other(loaded.job, scan.result);
-  } else {
-    cameras.push_back(scan.result);
-  }
-
-  for (std::size_t i = 0; i < loaded.further.size(); ++i) {
-    const CheckedJob& checked = loaded.further[i];
-    const std::string name = fmt::format("{}, camera {}", text_of(scan.name), i + 2);
-    cameras.push_back(reused.job_of(loaded, i + 2, flags)(checked, name));
-
-    std::vector<Finding> findings = cameras.back().checked.findings;
-    for (Finding& finding : findings) {
-      std::string& subject = finding.subject;
-      subject = fmt::format("camera {}{}{}", i + 2, subject.empty() ? "" : ", ", subject);
-    }
-    warn_of_findings(findings, checked.checked.findings.size(), text_of(scan.name), scan.held);
-    std::ranges::move(findings, std::back_inserter(scan.result.checked.findings));
-    std::ranges::move(cameras.back().checked.repairs,
-                      std::back_inserter(scan.result.checked.repairs));
-  }
-
-  for (const ScanResult& camera : cameras) {
-    scan.points_of_cameras.push_back(count_by_validity(camera.cloud).front());
-  }
-  const auto& wanted = wanted_frame(flags.job.reconstruct);
-  scan.fused = fused_cameras(
-      cameras,
-      wanted ? std::make_shared<const FramePose>(pose_from_frame(*wanted, camera_frame)) : nullptr);
-}
-
 /// Refuses what these flags ask of this scan and it cannot give.
 void require_possible(const ReconstructFlags& flags, const LoadedScan& loaded, bool two_cameras,
                       Output& output) {
   const CheckedJob& job = loaded.job;
   const bool has_other_axis = !job.scan.other_axis.empty();
-  throw_if(loaded.fuses && flags.subsample > 1,
+  throw_if(job.fuses && flags.subsample > 1,
            "--subsample needs one camera; the points of several have no rows and columns");
-  if (flags.job.uncertainty || loaded.fuses) {
-    const bool matches = two_cameras && job.scan.scanner && !loaded.fuses;
+  if (flags.job.uncertainty || job.fuses) {
+    const bool matches = two_cameras && job.scan.scanner && !job.fuses;
     require_uncertainty_possible(job.setup, matches, output);
   }
   throw_if(!flags.files.epipolar.empty() && (two_cameras || !has_other_axis),
@@ -200,12 +160,7 @@ void require_possible(const ReconstructFlags& flags, const LoadedScan& loaded, b
   throw_if(!flags.files.motion.empty() && (two_cameras || !MotionMeasurement::is_possible(band)),
            "--motion-map needs one camera and extra frames: --motion 2");
 
-  const bool rejects = rejects_reflection(job.setup.settings.clean);
-  throw_if(
-      rejects && two_cameras,
-      "--reflection and --local-reflection need one camera, or cameras that are fused and patterns "
-      "of several frequencies");
-  throw_if(!flags.files.reflection.empty() && !rejects,
+  throw_if(!flags.files.reflection.empty() && !rejects_reflection(job.setup.settings.clean),
            "--reflection-map needs --reflection or --local-reflection");
 }
 
@@ -219,7 +174,7 @@ void reconstruct_scan(LoadedScan& loaded, const ReconstructFlags& flags, Reused&
   require_possible(flags, loaded, two_cameras, output);
 
   // 1. The results, and what there is to say of them.
-  ScanJob& job = reused.job_of(loaded, 1, flags);
+  ScanJob& job = reused.job_of(scan.output, flags);
   scan.result = job(checked, name);
   const ScanResult& result = scan.result;
   const double minimum = flags.job.reconstruct.minimum_modulation;
@@ -228,7 +183,7 @@ void reconstruct_scan(LoadedScan& loaded, const ReconstructFlags& flags, Reused&
         "{}: minimum modulation is {:.1f} instead of {:.1f}: below it noise hides the fringe order",
         name, result.least_modulation, minimum);
   }
-  const bool depends_on_gamma = !two_cameras || !loaded.fuses;  // what its sentence says
+  const bool depends_on_gamma = !two_cameras || !checked.fuses;  // what its sentence says
   if (depends_on_gamma && !result.gamma.sentence.empty()) {
     output.say("{}: {}", name, result.gamma.sentence);
   }
@@ -237,11 +192,10 @@ void reconstruct_scan(LoadedScan& loaded, const ReconstructFlags& flags, Reused&
     reused.fallback_printed = tell_fallback(result.fallback_reason, chosen, output);
   }
 
-  if (!loaded.fuses) tell_unguarded(scan, checked.scan, reused, output);
+  if (!checked.fuses) tell_unguarded(scan, checked.scan, reused, output);
 
   // 2. Files, the other cameras, and the error of a virtual scan against its truth.
   judge(flags, checked.checked.findings.size(), scan);
-  if (loaded.fuses) fuse_cameras(loaded, flags, reused);
   if (!two_cameras) scan.predicted = predicted_error(checked.scan.frames, job, scan);
   if (result.uncertainty) scan.median_sigma = median_depth(*result.uncertainty);
 }
@@ -343,8 +297,12 @@ void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output
     // Removes the bar, so that the scan's lines do not overwrite it.
     progress.finish();
     if (log != nullptr && !scan.done_before) log->file.append(line_of(scan));
-    scan.done_before ? static_cast<void>(++done_before) : tell(scan, count == 1, output);
-    const auto job = reused.jobs.find({scan.output, scan.fused ? 1 : 0});
+    if (scan.done_before) {
+      ++done_before;
+    } else {
+      tell(scan, count == 1, output);
+    }
+    const auto job = reused.jobs.find(scan.output);
     if (job != reused.jobs.end()) job->second.reuse(std::move(scan.result.cloud));
     progress.advance(scan.done_before);
   };

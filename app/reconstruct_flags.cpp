@@ -94,7 +94,7 @@ void add_reconstruct_flags(CLI::App& subcommand, ReconstructFlags& flags) {
                    "the third and so on; default: their own");
 
   command.add("--one-camera", flags.one_camera, "use only the first camera of a scan with several");
-  command.add("--fuse", flags.fuse,
+  command.add("--fuse", flags.job.fuse,
               "two cameras: instead of matching their phases, fuse the points that each measures "
               "with the projector; three or more cameras always do");
   command.add("--match-window", flags.job.match_window,

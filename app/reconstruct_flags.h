@@ -17,7 +17,7 @@ struct ReconstructFlags {
   ScanChanges changes;  ///< how the scans are read
   ScanJobSettings job;  ///< of all scans; a single one may give only maps
 
-  bool one_camera = false, fuse = false;
+  bool one_camera = false;
   int subsample = 1;
   bool normals = false;
 

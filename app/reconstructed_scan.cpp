@@ -18,8 +18,8 @@
 #include "io/file.h"
 #include "io/image_file.h"
 #include "io/pose_file.h"
+#include "merge/fused_model.h"
 #include "reconstruct/engine_setup.h"
-#include "scan_job/fused_cameras.h"
 #include "slipstream/scan_files.h"
 
 namespace slipstream::app {
@@ -143,40 +143,6 @@ Scan read_scan(const ScanChanges& input, const ReconstructFlags& flags, Reconstr
   return scan;
 }
 
-/// Checks the scan; cameras that are fused each by itself, if they can be.
-void check_cameras(Scan scan, const ReconstructFlags& flags, LoadedScan& loaded) {
-  ReconstructedScan& result = loaded.scan;
-  const std::string name = text_of(result.name);
-  ScanJobSettings settings = flags.job;
-  settings.output = result.output;
-
-  // 1. Three or more cameras are always fused.
-  const std::size_t further = scan.further_cameras.size();
-  loaded.fuses = result.output == ScanOutput::points && scan.scanner &&
-                 (further > 1 || (flags.fuse && further > 0));
-  throw_if(flags.fuse && !loaded.fuses,
-           "{}: --fuse needs points of two or more cameras with calibrated projector", name);
-
-  // 2. Each camera by itself if its frames give the fringe order.
-  std::vector<Scan> scans;
-  if (loaded.fuses && has_coordinate(scan.sequence.strategy)) {
-    scans = scans_of_cameras(std::move(scan));
-  } else {
-    scans.push_back(std::move(scan));
-  }
-
-  loaded.job = checked_scan(std::move(scans.front()), name, settings, result.held);
-  settings.photometry = {};  // the first camera's
-  for (std::size_t i = 1; i < scans.size(); ++i) {
-    const std::string camera = fmt::format("{}, camera {}", name, i + 1);
-    throw_if(!scans[i].scanner, "{}: its scanner is unknown; name its file with --second-scanner",
-             camera);
-    settings.reconstruct =
-        settings_for(*scans[i].scanner, loaded.job.setup.scanner, flags.job.reconstruct);
-    loaded.further.push_back(checked_scan(std::move(scans[i]), camera, settings, result.held));
-  }
-}
-
 }  // namespace
 
 LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, const Manifest* before,
@@ -216,7 +182,9 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
     Scan scan = read_scan(input, flags, result);
     result.read = watch.lap();
     const bool has_pair = !scan.scanner && scan.camera_pair;
-    check_cameras(std::move(scan), flags, loaded);
+    ScanJobSettings settings = flags.job;
+    settings.output = result.output;
+    loaded.job = checked_scan(std::move(scan), text_of(name), settings, result.held);
     if (has_pair && result.output == ScanOutput::points) {
       result.held.say(
           "{}: two cameras, no projector: the calibration is not checked with the frames",
@@ -242,7 +210,7 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
   };
 
   std::size_t points = scan.output == ScanOutput::maps ? 0 : result.counts[0];
-  if (scan.fused) points = scan.fused->points.size();
+  if (result.fused) points = result.fused->points.size();
   nlohmann::json document = described(
       "scan", scan.name.path, "window", scan.name.window, "points", points, "pixels",
       result.cloud.validity.pixel_count(), "counts", result.counts, "backend", result.backend,
@@ -255,11 +223,11 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
       result.checked.repairs, "seconds", seconds);
 
   if (result.budget) document["budget"] = json_of(*result.budget);
-  if (scan.fused) {
-    const ModelQuality quality = quality_of(*scan.fused);
-    describe(document, "points_of_cameras", scan.points_of_cameras, "spacing_mm",
-             scan.fused->spacing, "median_sigma_mm", quality.median_sigma, "median_disagreement_mm",
-             quality.median_disagreement);
+  if (result.fused) {
+    const ModelQuality quality = quality_of(*result.fused);
+    describe(document, "points_of_cameras", result.points_of_cameras, "spacing_mm",
+             result.fused->spacing, "median_sigma_mm", quality.median_sigma,
+             "median_disagreement_mm", quality.median_disagreement);
   }
 
   // Only --anyway reconstructs a refused scan.
@@ -272,8 +240,11 @@ std::string line_of(const ReconstructedScan& scan) {
   double seconds = 0;
   for (const auto& [name, label, time] : times_of(scan)) seconds += time;
   entry["seconds"] = seconds;
-  scan.failure.empty() ? entry["counts"] = as_json(scan.result.counts)
-                       : entry["error"] = scan.failure;
+  if (scan.failure.empty()) {
+    entry["counts"] = as_json(scan.result.counts);
+  } else {
+    entry["error"] = scan.failure;
+  }
   return line_of(entry);
 }
 
@@ -284,12 +255,12 @@ std::string text_of(const PredictedRms& predicted) {
 
 void tell(const ReconstructedScan& scan, Output& output) {
   const ScanResult& result = scan.result;
-  if (scan.fused) {
+  if (result.fused) {
     const bool by_match = !has_coordinate(result.setup.sequence.strategy);
     output.say(
         "{}: {} points, {:.3g} mm apart, of {} cameras with {} points; {}:", text_of(scan.name),
-        scan.fused->points.size(), scan.fused->spacing, scan.points_of_cameras.size(),
-        fmt::join(scan.points_of_cameras, ", "), by_match ? "their match" : "the first camera");
+        result.fused->points.size(), result.fused->spacing, result.points_of_cameras.size(),
+        fmt::join(result.points_of_cameras, ", "), by_match ? "their match" : "the first camera");
   }
   const std::string done = scan.output == ScanOutput::maps
                                ? fmt::format("measured {}", result.counts[0])

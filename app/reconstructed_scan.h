@@ -6,7 +6,6 @@
 
 #include "app/manifest.h"
 #include "app/reconstruct_flags.h"
-#include "merge/fused_model.h"
 #include "slipstream/scan_job.h"
 
 namespace slipstream::app {
@@ -22,9 +21,6 @@ struct ReconstructedScan {
   ResultFiles files;                        ///< files written
   std::optional<double> rms, median_sigma;  ///< mm
   std::optional<PredictedRms> predicted{};
-  /// Of several cameras: their points as one cloud, and how many each measured.
-  std::optional<FusedModel> fused{};
-  std::vector<std::size_t> points_of_cameras{};
   double read = 0, written = 0;  ///< time taken, s
   bool done_before = false;      ///< done by an earlier run; prints nothing else
   nlohmann::json entry;          ///< its manifest entry
@@ -32,11 +28,7 @@ struct ReconstructedScan {
 
 /// A scan or a map that was read, and its results so far.
 struct LoadedScan {
-  CheckedJob job;      ///< of a map only the setup and the check
-  bool fuses = false;  ///< the points of several cameras, rather than matching two
-  /// If it fuses, the jobs of further cameras, unless the cameras find each other's fringe orders:
-  /// then `job` has both cameras.
-  std::vector<CheckedJob> further;
+  CheckedJob job;             ///< of a map only the setup and the check
   Image<double> coordinates;  ///< of a map, 0 to 1
   Image<float> modulation;    ///< of a map, if given
   ReconstructedScan scan;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,6 +18,8 @@
 // From a scan to its results: response, check, reconstruction by one camera or two, comparison of
 // both axes, doubts. The program, the Python module and other programs take this one way.
 namespace slipstream {
+
+struct FusedModel;
 
 /// The kind of result of a scan. Only points need a scanner.
 enum class ScanOutput { points, maps };
@@ -42,15 +46,23 @@ struct ScanJobSettings {
   /// With two cameras, half the width, pixels, of the window whose matches are smoothed by a plane;
   /// 0: each match as found. See PhaseMatcher.
   int match_window = 5;
+  /// Two cameras beside a calibrated projector: fuses the points that each measures with it,
+  /// instead of matching the cameras. Three or more are always fused.
+  bool fuse = false;
 };
 
 /// A scan that was checked, and repaired if that was certain.
 struct CheckedJob {
   Scan scan{};
-  EngineSetup setup{};  ///< for its engine, with the chosen response
-  GammaChoice gamma{};  ///< the response in use
-  CheckedScan checked{};
+  EngineSetup setup{};                ///< for its engine, with the chosen response
+  GammaChoice gamma{};                ///< the response in use
+  CheckedScan checked{};              ///< of all cameras
   double choosing = 0, checking = 0;  ///< time taken, s
+
+  bool fuses = false;  ///< with the points of other cameras
+  /// If it fuses, the jobs of further cameras, unless the cameras find each other's fringe orders:
+  /// then `scan` has both cameras.
+  std::vector<CheckedJob> further{};
 };
 
 /// Chooses the response and checks the scan; puts slipped frames in order. Does not refuse it: see
@@ -98,7 +110,8 @@ struct ErrorBudget {
   [[nodiscard]] double total() const;
 };
 
-/// The results of one scan, in the first camera's picture and frame.
+/// The results of one scan, in the first camera's picture and frame. Those of several cameras that
+/// are fused are the first camera's, or their match where that gives the fringe orders.
 struct ScanResult {
   Cloud cloud{};            ///< with ScanOutput::maps only the validity of its pixels
   ValidityCounts counts{};  ///< pixels by validity; first the points
@@ -108,6 +121,10 @@ struct ScanResult {
   std::optional<ErrorBudget> budget{};      ///< with the uncertainty, of one camera
   std::optional<EpipolarCheck> epipolar{};  ///< with patterns along both axes
   std::optional<EpipolarCheck> guard{};     ///< with a guard
+
+  /// The points of several cameras as one cloud; null if they are not fused.
+  std::shared_ptr<const FusedModel> fused{};
+  std::vector<std::size_t> points_of_cameras{};  ///< that were fused
 
   EngineSetup setup{};
   GammaChoice gamma{};
@@ -130,10 +147,10 @@ class ScanJob {
   [[nodiscard]] const ScanJobSettings& settings() const { return settings_; }
 
   /// Two cameras match their phases (with a calibrated projector) or their coordinates (a camera
-  /// pair); one camera meets the projector's light. Patterns along both axes check each other by
-  /// the epipolar lines, and so does a guard, which rejects no point. `name`: of the scan in
-  /// messages. Throws Error as checked_job, and RefusedScan if the scan is refused and
-  /// ScanJobSettings::keep_refused is off.
+  /// pair), or are fused, see ScanJobSettings::fuse; one camera meets the projector's light.
+  /// Patterns along both axes check each other by the epipolar lines, and so does a guard, which
+  /// rejects no point. `name`: of the scan in messages. Throws Error as checked_job, and
+  /// RefusedScan if the scan is refused and ScanJobSettings::keep_refused is off.
   [[nodiscard]] ScanResult operator()(Scan scan, const std::string& name = "the scan");
 
   /// The same for a scan that was checked before, with these settings.
@@ -146,12 +163,15 @@ class ScanJob {
   void reuse(Cloud cloud) { clouds_.push_back(std::move(cloud)); }
 
  private:
+  [[nodiscard]] ScanResult result_of(const CheckedJob& job, const std::string& name);
   void match_cameras(const CheckedJob& job, ScanResult& result);
+  void fuse_cameras(const CheckedJob& job, const std::string& name, ScanResult& result);
   void compute(const CheckedJob& job, ScanResult& result);
 
   ScanJobSettings settings_;
   std::optional<Engine> engine_{};
   std::vector<Cloud> clouds_{};
+  std::vector<ScanJob> further_{};  ///< of further cameras that are fused
 };
 
 /// One scan, once.

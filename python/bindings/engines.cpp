@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "merge/fused_model.h"
 #include "python/bindings/arguments.h"
 #include "python/bindings/bindings.h"
 #include "python/bindings/clouds.h"
@@ -148,12 +149,13 @@ std::shared_ptr<Uncertainty> uncertainty(SharedEngine& engine, const HeldCloud& 
   });
 }
 
-std::shared_ptr<HeldCloud> reconstructed(Given<Scan> scan, const std::string& gamma, bool anyway,
-                                         const py::kwargs& kwargs) {
+std::shared_ptr<HeldCloud> reconstructed(Given<Scan> scan, const std::string& gamma, bool fuse,
+                                         bool anyway, const py::kwargs& kwargs) {
   const std::string& name = scan.name;
   const ScanJobSettings settings{.reconstruct = settings_from<ReconstructSettings>(kwargs),
                                  .gamma = gamma,
-                                 .keep_refused = anyway};
+                                 .keep_refused = anyway,
+                                 .fuse = fuse};
 
   const CheckedJob job =
       unlocked([&] { return checked_job(std::move(scan.value), settings, name); });
@@ -168,7 +170,7 @@ std::shared_ptr<HeldCloud> reconstructed(Given<Scan> scan, const std::string& ga
 
   // The doubts about the points are remarks of the cloud's files.
   auto result = std::make_shared<HeldCloud>();
-  result->cloud = std::move(made.cloud);
+  result->cloud = made.fused ? model_points(*made.fused).cloud : std::move(made.cloud);
   result->remarks = doubts(made.checked.findings);
   return result;
 }
@@ -306,16 +308,18 @@ void bind_judgements(EngineClass& engine) {
 
 void bind_reconstruct(py::module_& module) {
   module.def("reconstruct", &reconstructed, "scan"_a, py::kw_only(), "gamma"_a = "scanner",
-             "anyway"_a = false,
+             "fuse"_a = false, "anyway"_a = false,
              with_settings(reconstruct_help(), R"(
       Reconstructs a scan like `slipstream reconstruct`.
 
-      Checks and refuses wrong frames, and warns of doubts about the points.
+      Checks and refuses wrong frames, and warns of doubts about the points. Two cameras are matched
+      or fused, three or more always fused: then the cloud is one row of points.
 
       Args:
           scan (Scan | str | PathLike): frames with their sequence and scanner, or their path.
           gamma (str): response correction: scanner (if present), blind (from the frames), none, or
               a gamma.
+          fuse (bool): of two cameras, fuses the points that each measures with the projector.
           anyway (bool): turns a refusal into remarks of the cloud.
           {settings}
 

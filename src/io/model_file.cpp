@@ -55,24 +55,7 @@ void write_model(const fs::path& path, const FusedModel& model,
   }
 
   // The other formats as clouds of one row.
-  const Size size{static_cast<int>(model.points.size()), 1};
-  Cloud cloud(size);
-  Normals normals{Image<float>(size), Image<float>(size), Image<float>(size)};
-  cloud.colour = Image<Colour>(model.coloured ? size : Size{});
-  cloud.frame = model.frame;
-
-  for (int i = 0; i < size.width; ++i) {
-    const ModelPoint& point = model.points[static_cast<std::size_t>(i)];
-    cloud.x(i, 0) = point.position.x();
-    cloud.y(i, 0) = point.position.y();
-    cloud.z(i, 0) = point.position.z();
-    cloud.intensity(i, 0) = point.intensity;
-    cloud.validity(i, 0) = Validity::valid;
-    normals.x(i, 0) = point.normal.x();
-    normals.y(i, 0) = point.normal.y();
-    normals.z(i, 0) = point.normal.z();
-    if (model.coloured) cloud.colour(i, 0) = point.colour;
-  }
+  const auto [cloud, normals] = model_points(model);
   write_cloud(path, cloud, {.normals = &normals, .remarks = remarks});
 }
 

@@ -203,6 +203,37 @@ FusedModel fuse(const std::vector<const View*>& views,
   FusedModel model{.spacing = spacing, .coloured = true};
   std::vector<double> spacings;
   for (std::size_t i = 0; i < views.size(); ++i) {
+ModelPoints model_points(const FusedModel& model) {
+  const Size size{static_cast<int>(model.points.size()), 1};
+  ModelPoints made{Cloud(size), {Image<float>(size), Image<float>(size), Image<float>(size)}};
+  auto& [cloud, normals] = made;
+  cloud.colour = Image<Colour>(model.coloured ? size : Size{});
+  cloud.frame = model.frame;
+
+  for (int i = 0; i < size.width; ++i) {
+    const ModelPoint& point = model.points[static_cast<std::size_t>(i)];
+    cloud.x(i, 0) = point.position.x();
+    cloud.y(i, 0) = point.position.y();
+    cloud.z(i, 0) = point.position.z();
+    cloud.intensity(i, 0) = point.intensity;
+    cloud.validity(i, 0) = Validity::valid;
+    normals.x(i, 0) = point.normal.x();
+    normals.y(i, 0) = point.normal.y();
+    normals.z(i, 0) = point.normal.z();
+    if (model.coloured) cloud.colour(i, 0) = point.colour;
+  }
+  return made;
+}
+
+void move_to_frame(FusedModel& model, const FramePose& pose) {
+  model.frame = std::make_shared<const FramePose>(pose_from_frame(pose, camera_frame));
+  const Eigen::Isometry3d& motion = model.frame->transform;
+  for (ModelPoint& point : model.points) {
+    point.position = (motion * point.position.cast<double>()).cast<float>();
+    point.normal = (motion.linear() * point.normal.cast<double>()).cast<float>();
+  }
+}
+
     if (!poses[i]) continue;
     model.coloured &= !views[i]->colours.empty();
     spacings.push_back(views[i]->spacing);

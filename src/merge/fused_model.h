@@ -11,6 +11,7 @@
 #include "merge/view.h"
 #include "slipstream/cloud.h"
 #include "slipstream/image.h"
+#include "slipstream/surface.h"
 
 namespace slipstream {
 
@@ -42,6 +43,12 @@ struct ModelQuality {
 };
 
 ModelQuality quality_of(const FusedModel& model);
+
+/// The points as a cloud of one row, with their normals; in the model's frame.
+ModelPoints model_points(const FusedModel& model);
+
+/// Moves a model in its camera's frame, as the overload for clouds does.
+void move_to_frame(FusedModel& model, const FramePose& pose);
 
 /// Averages the points of all views, each weighted by 1 / sigma^2, one point about every `spacing`
 /// mm; 0: the median spacing of the views. The points of a view that lie off those of the others by

@@ -1,10 +1,14 @@
 #include "scan_job/fused_cameras.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <iterator>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "base/throw_if-inl.h"
 #include "reconstruct/camera_pair.h"
@@ -24,6 +28,15 @@ Eigen::Isometry3d rig_of(const Scanner& scanner) {
 /// From the camera's frame to the first camera's.
 Eigen::Isometry3d to_first(const Scanner& camera, const Scanner& first) {
   return rig_of(first).inverse() * rig_of(camera);
+}
+
+/// Appends a camera's findings, from the given one on, which then name it.
+void append(std::vector<Finding>& findings, const CheckedScan& camera, std::size_t number,
+            std::size_t first = 0) {
+  for (std::size_t i = first; i < camera.findings.size(); ++i) {
+    std::string& subject = findings.emplace_back(camera.findings[i]).subject;
+    subject = fmt::format("camera {}{}{}", number, subject.empty() ? "" : ", ", subject);
+  }
 }
 
 /// The points where a camera's rays meet the projector's light at its coordinates, and how noise
@@ -46,6 +59,65 @@ ScanResult points_as_measured(const Scan& scan, EngineSetup setup, Maps maps, co
 }
 
 }  // namespace
+
+CheckedJob checked_job(Scan scan, const ScanJobSettings& settings, const std::string& name) {
+  // 1. Three or more cameras are always fused.
+  const std::size_t further = scan.further_cameras.size();
+  const bool fuses = settings.output == ScanOutput::points && scan.scanner &&
+                     (further > 1 || (settings.fuse && further > 0));
+  throw_if(settings.fuse && !fuses,
+           "{}: `fuse` needs points of two or more cameras with calibrated projector", name);
+
+  // 2. Each camera by itself if its frames give the fringe order.
+  std::vector<Scan> scans;
+  if (fuses && has_coordinate(scan.sequence.strategy)) {
+    scans = scans_of_cameras(std::move(scan));
+  } else {
+    scans.push_back(std::move(scan));
+  }
+
+  CheckedJob job = checked_camera(std::move(scans.front()), settings, name);
+  job.fuses = fuses;
+
+  ScanJobSettings own = settings;
+  own.photometry = {};  // the first camera's
+  for (std::size_t i = 1; i < scans.size(); ++i) {
+    const std::string camera = fmt::format("{}, camera {}", name, i + 1);
+    throw_if(!scans[i].scanner, "{}: its scanner is unknown; name its file with `second_scanner`",
+             camera);
+    own.reconstruct = settings_for(*scans[i].scanner, job.setup.scanner, settings.reconstruct);
+
+    job.further.push_back(checked_camera(std::move(scans[i]), own, camera));
+    job.further.back().fuses = true;
+    const CheckedScan& checked = job.further.back().checked;
+    append(job.checked.findings, checked, i + 1);
+    std::ranges::copy(checked.repairs, std::back_inserter(job.checked.repairs));
+  }
+  return job;
+}
+
+void ScanJob::fuse_cameras(const CheckedJob& job, const std::string& name, ScanResult& result) {
+  // 1. The points of each camera.
+  std::vector<ScanResult> cameras;
+  if (job.further.empty()) {
+    cameras = points_by_each_other(job, result);
+  } else {
+    cameras.push_back(result);
+  }
+
+  for (std::size_t i = 0; i < job.further.size(); ++i) {
+    if (further_.size() == i) further_.emplace_back(settings_);
+    const CheckedJob& further = job.further[i];
+    cameras.push_back(further_[i].result_of(further, fmt::format("{}, camera {}", name, i + 2)));
+    append(result.checked.findings, cameras.back().checked, i + 2, further.checked.findings.size());
+  }
+
+  // 2. All points as one cloud.
+  for (const ScanResult& camera : cameras) {
+    result.points_of_cameras.push_back(point_count(camera.cloud));
+  }
+  result.fused = std::make_shared<const FusedModel>(fused_cameras(cameras));
+}
 
 std::vector<Scan> scans_of_cameras(Scan scan) {
   std::vector<Scan> further = std::exchange(scan.further_cameras, {});
@@ -87,8 +159,7 @@ std::vector<ScanResult> points_by_each_other(const CheckedJob& job, const ScanRe
   return cameras;
 }
 
-FusedModel fused_cameras(std::span<const ScanResult> cameras,
-                         const std::shared_ptr<const FramePose>& frame) {
+FusedModel fused_cameras(std::span<const ScanResult> cameras) {
   constexpr std::size_t fewest = 100;  // points of a view
 
   const Scanner& first = cameras.front().setup.scanner;
@@ -106,15 +177,12 @@ FusedModel fused_cameras(std::span<const ScanResult> cameras,
 
     const Scanner& scanner = cameras[i].setup.scanner;
     if (i > 0) require_pair(first, scanner, {});
-    const Eigen::Isometry3d pose = to_first(scanner, first);
-    poses.emplace_back(frame ? frame->transform * pose : pose);
+    poses.emplace_back(to_first(scanner, first));
   }
 
   std::vector<const View*> sources;
   for (const View& view : views) sources.push_back(&view);
-  FusedModel model = fuse(sources, poses);
-  model.frame = frame;
-  return model;
+  return fuse(sources, poses);
 }
 
 }  // namespace slipstream

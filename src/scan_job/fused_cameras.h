@@ -1,7 +1,7 @@
 #pragma once
 
-#include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "merge/fused_model.h"
@@ -9,6 +9,14 @@
 
 // Several cameras around one projector: their points as one cloud.
 namespace slipstream {
+
+/// Message about a setting that matched cameras lack.
+inline constexpr const char* no_reflection_of_pairs =
+    "`reflection` and `local_reflection` need one camera, or cameras that are fused and patterns "
+    "of several frequencies";
+
+/// checked_job of one camera, or of cameras that are matched.
+CheckedJob checked_camera(Scan scan, const ScanJobSettings& settings, const std::string& name);
 
 /// The scans of a scan's cameras, each by itself; the first camera's comes first.
 std::vector<Scan> scans_of_cameras(Scan scan);
@@ -23,11 +31,10 @@ ReconstructSettings settings_for(const Scanner& camera, const Scanner& first,
 /// result. With uncertainty and maps. Throws Error as PhaseMatcher does.
 std::vector<ScanResult> points_by_each_other(const CheckedJob& job, const ScanResult& matched);
 
-/// The points of cameras with the same projector as one cloud, in the first camera's frame, or in
-/// `frame`, a pose from there: see fuse. A camera's noise comes from its result's uncertainty.
+/// The points of cameras with the same projector as one cloud, in the first camera's frame: see
+/// fuse. A camera's noise comes from its result's uncertainty.
 /// Matches between cameras are not added: they come from the same phases, and would count them
 /// twice. Throws Error if the projectors differ, or for fewer than 100 points of a camera.
-FusedModel fused_cameras(std::span<const ScanResult> cameras,
-                         const std::shared_ptr<const FramePose>& frame = nullptr);
+FusedModel fused_cameras(std::span<const ScanResult> cameras);
 
 }  // namespace slipstream

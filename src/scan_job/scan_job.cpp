@@ -18,6 +18,7 @@
 #include "reconstruct/phase_matcher.h"
 #include "scan_job/axis_findings.h"
 #include "scan_job/error_budget.h"
+#include "scan_job/fused_cameras.h"
 #include "scan_job/scan_colours.h"
 
 namespace slipstream {
@@ -190,7 +191,7 @@ void count(ScanResult& result, const ReconstructSettings& settings, ScanOutput o
 
 }  // namespace
 
-CheckedJob checked_job(Scan scan, const ScanJobSettings& settings, const std::string& name) {
+CheckedJob checked_camera(Scan scan, const ScanJobSettings& settings, const std::string& name) {
   const bool has_pair = settings.output == ScanOutput::points && !scan.scanner &&
                         scan.camera_pair && !scan.further_cameras.empty();
   const bool wants_points = settings.output == ScanOutput::points && !has_pair;
@@ -215,8 +216,11 @@ CheckedJob checked_job(Scan scan, const ScanJobSettings& settings, const std::st
   }
   job.choosing = watch.lap();
   if (wants_points) {
-    job.scan.further_cameras.empty() ? require_reconstructible(job.setup)
-                                     : require_valid(job.setup);
+    if (job.scan.further_cameras.empty()) {
+      require_reconstructible(job.setup);
+    } else {
+      require_valid(job.setup);
+    }
   }
 
   // 2. The check, which may put the frames in another order; then the response may differ.
@@ -254,6 +258,7 @@ void ScanJob::match_cameras(const CheckedJob& job, ScanResult& result) {
   const EngineSetup& setup = job.setup;
   throw_if(scan.further_cameras.size() > 1, "two cameras can be matched, not {}",
            1 + scan.further_cameras.size());
+  throw_if(rejects_reflection(setup.settings.clean), no_reflection_of_pairs);
 
   // 1. Without a calibrated projector, places with equal coordinates match.
   if (!scan.scanner) {
@@ -300,7 +305,7 @@ void ScanJob::compute(const CheckedJob& job, ScanResult& result) {
     engine.cloud_and_maps(scan.frames, result.cloud, result.maps);
     result.epipolar =
         check_epipolar(engine.setup(), scan.other_axis.front(), result.maps, result.cloud);
-  } else if (settings_.maps || settings_.uncertainty || settings_.sure_coordinates ||
+  } else if (settings_.maps || settings_.uncertainty || job.fuses || settings_.sure_coordinates ||
              !scan.guard.empty()) {
     engine.cloud_and_maps(scan.frames, result.cloud, result.maps);
   } else {
@@ -325,12 +330,21 @@ void ScanJob::compute(const CheckedJob& job, ScanResult& result) {
 }
 
 ScanResult ScanJob::operator()(const CheckedJob& job, const std::string& name) {
+  ScanResult result = result_of(job, name);
+  if (job.fuses) fuse_cameras(job, name, result);
+  return result;
+}
+
+ScanResult ScanJob::result_of(const CheckedJob& job, const std::string& name) {
   if (!settings_.keep_refused) require_right(job.checked, name);
 
   const EngineSetup& setup = job.setup;
   const bool two_cameras =
       !job.scan.further_cameras.empty() && settings_.output == ScanOutput::points;
-  throw_if(settings_.uncertainty && two_cameras && job.scan.scanner,
+
+  // Points that are fused are weighted by their noise; those of matched cameras get theirs later.
+  const bool wants_uncertainty = job.fuses ? !two_cameras : settings_.uncertainty;
+  throw_if(wants_uncertainty && two_cameras && job.scan.scanner,
            "the uncertainty is known of one camera and the projector, not of two cameras");
 
   ScanResult result{.setup = setup,
@@ -358,7 +372,11 @@ ScanResult ScanJob::operator()(const CheckedJob& job, const std::string& name) {
   memory.get();
 
   // 2. Points or maps.
-  two_cameras ? match_cameras(job, result) : compute(job, result);
+  if (two_cameras) {
+    match_cameras(job, result);
+  } else {
+    compute(job, result);
+  }
   if (settings_.output == ScanOutput::points) {
     result.cloud.colour = colours_of(result.cloud, job.scan);
   }
@@ -369,9 +387,9 @@ ScanResult ScanJob::operator()(const CheckedJob& job, const std::string& name) {
   }
 
   // 3. Uncertainty and confirmed coordinates, if wanted.
-  if (settings_.uncertainty && !result.uncertainty) {
+  if (wants_uncertainty && !result.uncertainty) {
     result.uncertainty = engine_->uncertainty(result.cloud, result.maps, job.scan.frames);
-    result.budget = error_budget(result, job.scan.frames);
+    if (settings_.uncertainty) result.budget = error_budget(result, job.scan.frames);
   }
   if (settings_.sure_coordinates && !two_cameras) {
     result.maps.coordinate =

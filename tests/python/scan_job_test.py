@@ -4,6 +4,7 @@ from the program. Not a case of clouds_test.py, which has one camera and one axi
 import json
 import pickle
 
+import numpy
 import pytest
 from conftest import as_printed, program, run_program
 
@@ -20,6 +21,26 @@ def test_clouds_are_those_of_the_program(flags, tmp_path):
 
     slipstream.reconstruct(slipstream.load_scan(scan)).write(tmp_path / "python.ply")
     assert (tmp_path / "python.ply").read_bytes() == (tmp_path / "program.ply").read_bytes()
+
+
+@pytest.mark.parametrize("cameras", [2, 3])
+def test_fused_clouds_are_those_of_the_program(cameras, tmp_path):
+    scan = tmp_path / "scan"
+    program("simulate", scan, "--camera", "160x120", "--strategy", "dual-frequency",
+            *["--second-camera"] * (cameras - 1))
+    program("reconstruct", scan, "--fuse", "-o", tmp_path / "program.ply")
+
+    fused = slipstream.reconstruct(scan, fuse=cameras == 2)
+    told = slipstream.load_cloud(tmp_path / "program.ply")
+    assert len(fused) == len(told) > len(slipstream.load_scan(scan).frames)
+    assert numpy.array_equal(fused.points, told.points)
+    assert numpy.array_equal(fused.intensity, told.intensity)
+
+
+def test_matched_cameras_refuse_reflection(tmp_path):
+    program("simulate", tmp_path / "scan", "--camera", "160x120", "--second-camera")
+    with pytest.raises(slipstream.Error, match="`reflection` and `local_reflection` need one"):
+        slipstream.reconstruct(tmp_path / "scan", reflection=3)
 
 
 def test_a_broken_scan_is_refused_by_both(tmp_path):

@@ -139,6 +139,51 @@ TEST(FusedCamerasSettingsFor, KeepABoxWhereItIs) {
   }
 }
 
+TEST(FusedCameras, AreMadeByTheScanJobIfAskedFor) {
+  const ScanResult alone = reconstruct(scan_of(2, dual));
+  EXPECT_EQ(alone.fused, nullptr);
+
+  // The job's tables serve the next scan.
+  ScanJob job({.fuse = true});
+  const FusedModel model = fused_cameras(results_of(2));
+  for (int i = 0; i < 2; ++i) {
+    const ScanResult result = job(scan_of(2, dual));
+    ASSERT_NE(result.fused, nullptr);
+    ASSERT_EQ(result.fused->points.size(), model.points.size());
+    EXPECT_EQ(result.fused->points.back().position, model.points.back().position);
+    EXPECT_EQ(result.points_of_cameras.size(), 2U);
+  }
+
+  EXPECT_EQ(reconstruct(scan_of(3, dual)).points_of_cameras.size(), 3U);
+  expect_error([&] { (void)job(scan_of(1, dual)); }, {"`fuse`", "two or more cameras"});
+}
+
+TEST(FusedCameras, MoveToAFrame) {
+  const FusedModel model = fused_cameras(results_of(2));
+  const FramePose pose{
+      .from = "table",
+      .to = "camera",
+      .transform = Eigen::Isometry3d(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitX()))};
+  FusedModel moved = model;
+  move_to_frame(moved, pose);
+  Cloud cloud = model_points(model).cloud;
+  move_to_frame(cloud, pose);
+
+  const Cloud same = model_points(moved).cloud;
+  EXPECT_EQ(frame_name(same), "table");
+  EXPECT_NEAR(same.y(0, 0), cloud.y(0, 0), 1e-3);
+  EXPECT_NEAR(same.z(0, 0), cloud.z(0, 0), 1e-3);
+  EXPECT_NEAR(moved.points[0].normal.norm(), 1, 1e-5);
+}
+
+TEST(FusedCameras, AreNotMatchedWhereReflectionIsRejected) {
+  ScanJobSettings settings;
+  settings.reconstruct.clean.reflection = 3;
+  expect_error([&] { (void)reconstruct(scan_of(2, dual), settings); }, {"`reflection`"});
+  settings.fuse = true;
+  EXPECT_GT(reconstruct(scan_of(2, dual), settings).fused->points.size(), 3000U);
+}
+
 TEST(FusedCameras, NeedOneProjectorAndPoints) {
   std::vector<ScanResult> cameras = results_of(2);
   cameras[1].setup.scanner.projector.intrinsic(0, 0) *= 1.1;

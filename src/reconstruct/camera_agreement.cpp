@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <vector>
@@ -90,24 +91,26 @@ class Agreement {
 
     // 1. The pixels' points with all shifts that keep at least one pixel's order inside the field.
     const int first = -high->order, last = static_cast<int>(std::ceil(periods_)) - low->order;
-    PointPhases points{.step = static_cast<float>(1 / periods_), .points = last - first + 1};
+    PointPhases points{.step = static_cast<float>(1 / periods_), .most = last - first + 1};
     for (const auto& [column, row, order] : surface.pixels) {
       const double turns = (phase_(column, row) + phase_shift) / two_pi;
       points.pixels.push_back(row * phase_.width() + column);
       points.coordinates.push_back(static_cast<float>((turns + order + first) / periods_));
     }
+    points.counts.assign(points.pixels.size(), points.most);
     compare_phases(tables_.lines(), first_, second_, set_, false, points);
 
     // 2. The mean misfit of each shift.
     Fit best;
-    const float* apart = points.apart.data();
-    for (int shift = first; shift <= last; ++shift, apart += points.pixels.size()) {
+    const std::uint32_t* votes = points.votes.data();
+    for (int shift = first; shift <= last; ++shift, ++votes) {
       double sum = 0;
       int seen = 0;
       for (std::size_t i = 0; i < surface.pixels.size(); ++i) {
         const double y = points.coordinates[i] + (shift - first) / periods_;
-        if (y < 0 || y > 1 || std::isnan(apart[i])) continue;
-        sum += apart[i];
+        const std::uint32_t vote = votes[i * static_cast<std::size_t>(points.most)];
+        if (y < 0 || y > 1 || vote == 0) continue;
+        sum += Disagreement(vote).sum;
         ++seen;
       }
 

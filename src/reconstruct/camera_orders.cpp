@@ -1,10 +1,12 @@
 #include "reconstruct/camera_orders.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -20,17 +22,9 @@ namespace {
 
 /// Half width of a window, pixels: 225 pixels of a vote of up to 8192 do not overflow.
 constexpr int reach = 7;
-constexpr float vote_step = 1 / 4096.0F;
-constexpr std::uint32_t one_pixel = 1U << 24U;
 
-/// A vote or a sum of votes.
-struct Disagreement {
-  explicit Disagreement(std::uint32_t votes)
-      : sum(vote_step * static_cast<float>(votes % one_pixel)),
-        seen(static_cast<float>(votes / one_pixel)) {}
-
-  float sum, seen;
-};
+/// Votes of a pixel are stored in groups of as many, so that they are summed several at a time.
+constexpr int group = 4;
 
 /// The only candidate that fits; -1 if there is none.
 int best_order(const std::uint32_t* votes, int count) {
@@ -38,25 +32,34 @@ int best_order(const std::uint32_t* votes, int count) {
   constexpr float clearly = 0.15F;  // margin to the second best
   constexpr float fewest = 40;      // regions of fewer pixels may match by chance
 
-  float most = 0;
-  for (int k = 0; k < count; ++k) most = std::max(most, Disagreement(votes[k]).seen);
+  // The high bits are the pixels that are seen.
+  std::uint32_t most = 0;
+  for (int k = 0; k < count; ++k) most = std::max(most, votes[k]);
+  const float enough = std::max(fewest, 0.5F * Disagreement(most).seen);
 
   int best = -1;
   float least = 2, second = 2;
   for (int k = 0; k < count; ++k) {
     const auto [sum, seen] = Disagreement(votes[k]);
-    if (seen < std::max(fewest, 0.5F * most)) continue;
+    if (seen < enough || sum >= second * seen) continue;  // most candidates: no division
+
     const float mean = sum / seen;
     if (mean < least) {
       second = least;
       least = mean;
       best = k;
     } else {
-      second = std::min(second, mean);
+      second = mean;
     }
   }
 
   return least < fits && second > least + clearly ? best : -1;
+}
+
+/// std::floor of a number that fits into an int, without a call.
+int whole_below(float number) {
+  const int cut = static_cast<int>(number);  // towards zero
+  return static_cast<float>(cut) > number ? cut - 1 : cut;
 }
 
 /// One line of pixels through the image.
@@ -95,17 +98,28 @@ struct Line {
   int stride, length;
 };
 
+/// Memory of a thread for the sums of a line.
+struct LineMemory {
+  std::vector<int> shift{};             ///< first candidate of each pixel
+  std::vector<std::uint32_t> window{};  ///< running sums, one for each order
+};
+
 /// Sums the votes of up to `reach` pixels on either side of each pixel of a line, order by order,
-/// as far as the phase continues.
+/// as far as the phase continues. `votes(i)`: the first of pixel i, 0 for further candidates than
+/// it has. Calls `take(i, sums)` for each valid pixel.
+template <class Votes, class Take>
 class LineSums {
  public:
-  LineSums(const Line& line, const CandidateOrders& candidates,
-           const std::vector<std::uint32_t>& votes, std::vector<std::uint32_t>& summed)
+  LineSums(const Line& line, const CandidateOrders& candidates, const Votes& votes,
+           const Take& take, LineMemory& memory)
       : line_(line),
         candidates_(candidates),
         votes_(votes),
-        summed_(summed),
-        shift_(static_cast<std::size_t>(line.length)) {}
+        take_(take),
+        shift_(memory.shift),
+        window_(memory.window) {
+    shift_.resize(static_cast<std::size_t>(line.length));
+  }
 
   void sum() {
     for (int begin = 0, end = 0; begin < line_.length; begin = end) {
@@ -151,36 +165,39 @@ class LineSums {
       if (i + reach < end) change(i + reach, true);
       if (i - reach > begin) change(i - reach - 1, false);
 
-      std::copy_n(window_.begin() + (shift_[i] - least_), count(i),
-                  summed_.begin() + static_cast<std::ptrdiff_t>(index(i)));
+      take_(i, window_.data() + (shift_[i] - least_));
     }
   }
 
   /// Subtracts by adding 0 - votes, modulo 2^32: the sums stay exact.
   void change(int i, bool enters) {
-    const std::uint32_t* const votes = votes_.data() + index(i);
-    std::uint32_t* const sums = window_.data() + (shift_[i] - least_);
-    const int candidates = count(i);
-    for (int k = 0; k < candidates; ++k) sums[k] += enters ? votes[k] : 0 - votes[k];
-  }
+    const std::uint32_t* votes = votes_(i);
+    std::uint32_t* sums = window_.data() + (shift_[i] - least_);
 
-  /// Number of candidates of pixel i of the line.
-  [[nodiscard]] int count(int i) const { return candidates_.count.begin()[line_.pixel(i)]; }
-
-  /// Where its votes begin.
-  [[nodiscard]] std::size_t index(int i) const {
-    return line_.pixel(i) * static_cast<std::size_t>(candidates_.most);
+    for (int k = 0; k < candidates_.most; k += group, votes += group, sums += group) {
+      std::array<std::uint32_t, group> changed{};
+      for (int j = 0; j < group; ++j) changed[j] = sums[j] + (enters ? votes[j] : 0 - votes[j]);
+      std::ranges::copy(changed, sums);
+    }
   }
 
   const Line& line_;
   const CandidateOrders& candidates_;
-  const std::vector<std::uint32_t>& votes_;
-  std::vector<std::uint32_t>& summed_;
+  const Votes& votes_;
+  const Take& take_;
 
-  std::vector<int> shift_;             ///< first candidate of each pixel
-  int least_ = 0;                      ///< the least of these
-  std::vector<std::uint32_t> window_;  ///< running sums, one for each order from `least_` on
+  std::vector<int>& shift_;
+  int least_ = 0;  ///< the least of the shifts, and the order at which the window begins
+  std::vector<std::uint32_t>& window_;
 };
+
+template <class Votes, class Take>
+void sum_line(const CameraPhases& camera, const Image<float>& phase, bool along_row, int number,
+              const CandidateOrders& candidates, const Votes& votes, const Take& take) {
+  thread_local LineMemory memory;
+  const Line line(camera, phase, along_row, number);
+  LineSums(line, candidates, votes, take, memory).sum();
+}
 
 }  // namespace
 
@@ -215,88 +232,78 @@ CameraOrders::CameraOrders(const EpipolarTables& tables, double periods, const D
 
   candidates_.first = Image<std::int16_t>(tables.size());
   candidates_.count = Image<std::uint8_t>(tables.size());
+
+  // Whole numbers in the widest range between bounds, and in the field.
+  float widest = 0;
+  for (const auto& [least, largest] : bounds_) widest = std::max(widest, largest - least);
+  const float most = std::min({widest + 1, std::ceil(periods_), 255.0F - group});
+  candidates_.most = (static_cast<int>(most) + group - 1) / group * group;
+  const auto [width, height] = tables.size();
+  sums_.resize(at(width - 1, height - 1) + static_cast<std::size_t>(candidates_.most));
 }
 
 const Image<float>& CameraOrders::operator()(const CameraPhases& camera, const Image<float>& phase,
                                              const CameraPhases& other) {
-  find_candidates(camera, phase);
-  vote(camera, phase, other);
-  sum_windows(camera, phase, true);
-  sum_windows(camera, phase, false);
+  // 1. Votes of each row's pixels, summed along it.
+  for_each_row(phase.height(), [&](int row) {
+    thread_local PointPhases points;
+    find_candidates(camera, phase, row, points);
+    compare_phases(tables_.lines(), camera, other, depths_, of_other_, points);
 
-  for_each_pixel(phase.size(), [&](int column, int row) {
-    const int k = best_order(votes_.data() + at(column, row), candidates_.count(column, row));
-    coordinate_(column, row) =
-        k < 0 ? std::numeric_limits<float>::quiet_NaN()
-              : static_cast<float>(unwrapped_coordinate(
-                    phase(column, row), candidates_.first(column, row) + k, periods_));
+    const auto votes = [&, all = points.votes.data()](int column) {
+      return all + column * candidates_.most;
+    };
+    const auto keep = [&](int column, const std::uint32_t* sums) {
+      std::uint32_t* const to = sums_.data() + at(column, row);
+      const int count = candidates_.count(column, row);
+      for (int k = 0; k < candidates_.most; ++k) to[k] = k < count ? sums[k] : 0;
+    };
+    sum_line(camera, phase, true, row, candidates_, votes, keep);
+  });
+
+  // 2. Those sums, summed along each column, and the order that they choose.
+  std::ranges::fill(coordinate_, std::numeric_limits<float>::quiet_NaN());
+  for_each_row(phase.width(), [&](int column) {
+    const auto votes = [&](int row) { return sums_.data() + at(column, row); };
+    const auto choose = [&](int row, const std::uint32_t* sums) {
+      const int k = best_order(sums, candidates_.count(column, row));
+      if (k < 0) return;
+      coordinate_(column, row) = static_cast<float>(
+          unwrapped_coordinate(phase(column, row), candidates_.first(column, row) + k, periods_));
+    };
+    sum_line(camera, phase, false, column, candidates_, votes, choose);
   });
 
   return coordinate_;
 }
 
-void CameraOrders::find_candidates(const CameraPhases& camera, const Image<float>& phase) {
-  // Largest count of each row: rows are visited in parallel.
-  std::vector<int> most(static_cast<std::size_t>(phase.height()));
-  for_each_pixel(phase.size(), [&](int column, int row) {
+/// The candidates of a row, and their first points.
+void CameraOrders::find_candidates(const CameraPhases& camera, const Image<float>& phase, int row,
+                                   PointPhases& points) {
+  const auto width = static_cast<std::size_t>(phase.width());
+  points.step = 1 / periods_;
+  points.most = candidates_.most;
+  points.pixels.resize(width);
+  points.coordinates.assign(width, 0);
+  points.counts.assign(width, 0);
+  std::iota(points.pixels.begin(), points.pixels.end(), row * phase.width());
+
+  const int last_in_field = static_cast<int>(std::ceil(periods_)) - 1;
+  for (int column = 0; column < phase.width(); ++column) {
+    if (camera.validity(column, row) != Validity::valid) continue;
     const float turn = phase(column, row) / static_cast<float>(two_pi);
-    const Bounds& bounds = bounds_(column, row);
+    const auto [least, largest] = bounds_(column, row);
 
     // Orders k for which turn + k lies between the bounds and in the field.
-    const int first = std::max(0, static_cast<int>(std::ceil(bounds.least - turn)));
-    const int last = std::min(static_cast<int>(std::ceil(periods_)) - 1,
-                              static_cast<int>(std::floor(bounds.largest - turn)));
+    const int first = std::max(0, -whole_below(turn - least));
+    const int last = std::min(last_in_field, whole_below(largest - turn));
+    const int count = std::clamp(last - first + 1, 0, candidates_.most);
 
-    const bool valid = camera.validity(column, row) == Validity::valid;
-    const int count = valid ? std::max(0, last - first + 1) : 0;
     candidates_.first(column, row) = static_cast<std::int16_t>(first);
-    candidates_.count(column, row) = static_cast<std::uint8_t>(std::min(count, 255));
-    most[row] = std::max(most[row], count);
-  });
-
-  candidates_.most = std::min(255, *std::ranges::max_element(most));
-}
-
-void CameraOrders::vote(const CameraPhases& camera, const Image<float>& phase,
-                        const CameraPhases& other) {
-  const std::size_t size = phase.pixel_count() * static_cast<std::size_t>(candidates_.most);
-  votes_.resize(size);
-  summed_.resize(size);
-
-  for_each_row(phase.height(), [&](int row) {
-    // 1. The first candidates of a row's pixels.
-    PointPhases points{.step = 1 / periods_, .points = candidates_.most};
-    std::vector<int> columns;
-    for (int column = 0; column < phase.width(); ++column) {
-      if (candidates_.count(column, row) == 0) continue;
-      columns.push_back(column);
-      points.pixels.push_back(row * phase.width() + column);
-      points.coordinates.push_back(static_cast<float>(
-          unwrapped_coordinate(phase(column, row), candidates_.first(column, row), periods_)));
-    }
-
-    // 2. A vote of each candidate that the other camera sees in the depth range.
-    compare_phases(tables_.lines(), camera, other, depths_, of_other_, points);
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      std::uint32_t* const votes = votes_.data() + at(columns[i], row);
-      for (int k = 0; k < candidates_.count(columns[i], row); ++k) {
-        const float apart = points.apart[static_cast<std::size_t>(k) * points.pixels.size() + i];
-        votes[k] =
-            std::isnan(apart) ? 0 : one_pixel + static_cast<std::uint32_t>(apart / vote_step);
-      }
-    }
-  });
-}
-
-/// Sums the votes in a window along each row or column.
-void CameraOrders::sum_windows(const CameraPhases& camera, const Image<float>& phase,
-                               bool along_rows) {
-  for_each_row(along_rows ? phase.height() : phase.width(), [&](int number) {
-    const Line line(camera, phase, along_rows, number);
-    LineSums(line, candidates_, votes_, summed_).sum();
-  });
-
-  std::swap(votes_, summed_);
+    candidates_.count(column, row) = static_cast<std::uint8_t>(count);
+    points.counts[column] = count;
+    points.coordinates[column] = (turn + static_cast<float>(first)) / periods_;
+  }
 }
 
 }  // namespace slipstream

@@ -7,12 +7,14 @@
 
 namespace slipstream {
 
+struct PointPhases;
+
 /// Fringe orders that the depth range leaves to each pixel of a camera: first + 0 to first + count
 /// - 1.
 struct CandidateOrders {
   Image<std::int16_t> first{};
   Image<std::uint8_t> count{};
-  int most = 0;  ///< the largest count
+  int most = 0;  ///< no count is larger
 };
 
 /// Finds projector coordinates of the pixels of a camera from a single band of many periods:
@@ -32,12 +34,15 @@ class CameraOrders {
                                  const CameraPhases& other);
 
  private:
-  void find_candidates(const CameraPhases& camera, const Image<float>& phase);
-  void vote(const CameraPhases& camera, const Image<float>& phase, const CameraPhases& other);
-  void sum_windows(const CameraPhases& camera, const Image<float>& phase, bool along_rows);
+  void find_candidates(const CameraPhases& camera, const Image<float>& phase, int row,
+                       PointPhases& points);
 
+  /// Where a pixel's sums begin. They are stored in strips of eight columns, one strip after the
+  /// other, so that a column lies in a few pages of memory, and its strip in the cache.
   [[nodiscard]] std::size_t at(int column, int row) const {
-    return static_cast<std::size_t>(row * coordinate_.width() + column) *
+    constexpr int strip = 8;
+    const int first_of_row = (column / strip * coordinate_.height() + row) * strip;
+    return static_cast<std::size_t>(first_of_row + column % strip) *
            static_cast<std::size_t>(candidates_.most);
   }
 
@@ -53,11 +58,7 @@ class CameraOrders {
 
   Image<Bounds> bounds_;
   CandidateOrders candidates_;
-  /// For every pixel and candidate: in the low bits the disagreement of the two cameras' phases, 1
-  /// - cos of their difference, in steps of 1 / 4096, in the high ones the pixels that the other
-  /// camera sees.
-  std::vector<std::uint32_t> votes_, summed_;
-
+  std::vector<std::uint32_t> sums_;  ///< for every pixel and candidate: see Disagreement
   Image<float> coordinate_;
 };
 

@@ -297,7 +297,9 @@ void PhaseMatcher::match_rows() {
 
   for_each_row(size.height, [&](int row) {
     // 1. The row's valid pixels with their projector coordinates.
-    PixelMatches matches;
+    thread_local PixelMatches matches;
+    matches.pixels.clear();
+    matches.coordinates.clear();
     for (int column = 0; column < size.width; ++column) {
       if (first.validity(column, row) != Validity::valid) continue;
       matches.pixels.push_back(row * size.width + column);
@@ -408,8 +410,9 @@ void PhaseMatcher::make_points(Cloud& cloud) const {
 
   for_each_row(size.height, [&](int row) {
     const float* const matched = matches.inverse_depth.row(row) + matches.side;
-    std::vector<float> smooth(matched, matched + size.width);
-    if (smooths) plane_row(matches, row, smooth.data());
+    float* const smooth = cloud.z.row(row);  // 1 / Z until the points are made
+    std::copy_n(matched, size.width, smooth);
+    if (smooths) plane_row(matches, row, smooth);
 
     for (int column = 0; column < size.width; ++column) {
       cloud.intensity(column, row) = first.maps.mean(column, row) / grey_level;

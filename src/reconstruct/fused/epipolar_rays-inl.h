@@ -27,8 +27,24 @@ struct Pairs {
 
 HWY_INLINE Pairs gather(const float* pairs, Ints index) {
   const FloatTag d;
+
+#if HWY_TARGET == HWY_SCALAR
   const Ints twice = hn::ShiftLeft<1>(index);
   return {hn::GatherIndex(d, pairs, twice), hn::GatherIndex(d, pairs + 1, twice)};
+#else
+  // Each pair is loaded as one number of 64 bits: half as many loads.
+  const hn::Repartition<double, FloatTag> wide;
+  const hn::RebindToSigned<decltype(wide)> wide_index;
+  const hn::Half<IntTag> half;
+
+  const auto* const whole = reinterpret_cast<const double*>(pairs);
+  const auto gathered = [&](auto part) SLIPSTREAM_STEP {
+    return hn::BitCast(d, hn::GatherIndex(wide, whole, hn::PromoteTo(wide_index, part)));
+  };
+  const Floats low = gathered(hn::LowerHalf(half, index));
+  const Floats high = gathered(hn::UpperHalf(half, index));
+  return {hn::ConcatEven(d, high, low), hn::ConcatOdd(d, high, low)};
+#endif
 }
 
 /// a + t b
@@ -179,8 +195,8 @@ class Rays {
   /// See EpipolarTables.
   HWY_INLINE Floats inverse_depth(Floats y) const {
     const FloatTag d;
-    const float scale = 0.5F - EpipolarLines::least_y;
-    const Floats p = hn::Div(hn::Sub(y, hn::Set(d, 0.5F)), hn::Set(d, scale));
+    const float scale = 1 / (0.5F - EpipolarLines::least_y);
+    const Floats p = hn::Mul(hn::Sub(y, hn::Set(d, 0.5F)), hn::Set(d, scale));
     Floats w = depth_[EpipolarLines::terms - 1];
     for (int k = EpipolarLines::terms - 2; k >= 0; --k) w = hn::MulAdd(w, p, depth_[k]);
     return w;
@@ -194,7 +210,7 @@ class Rays {
     };
     Floats Z = along(2);
     Z = hn::IfThenElse(hn::Gt(Z, hn::Zero(d)), Z, nans());
-    Pairs bent{hn::Div(along(0), Z), hn::Div(along(1), Z)};
+    Pairs bent{quotient(along(0), Z), quotient(along(1), Z)};
     if (!lines_.straight) bent = bent_by_lens(bent);
 
     const auto on_sensor = [&](int k) SLIPSTREAM_STEP {
@@ -211,12 +227,20 @@ class Rays {
     return pixel;
   }
 
-  /// Z of the point, mm; in the second camera's frame if `of_other`.
-  HWY_INLINE Floats depth(Floats w, bool of_other) const {
+  /// Whether the point's Z lies between those depths, mm; in the second camera's frame if
+  /// `of_other`.
+  HWY_INLINE FloatMask is_between(Floats w, const DepthRange& depths, bool of_other) const {
     const FloatTag d;
-    const Floats inverse = hn::Div(hn::Set(d, 1.0F), w);
-    if (!of_other) return inverse;
-    return hn::MulAdd(turned_[2], inverse, hn::Set(d, lines_.translation.z()));
+    const Floats scale = of_other ? turned_[2] : hn::Set(d, 1.0F);
+    const double offset = of_other ? lines_.translation.z() : 0;
+
+    // Z = scale / w + offset, without the division.
+    const auto reach = [&](double depth) SLIPSTREAM_STEP {
+      return hn::Mul(w, hn::Set(d, static_cast<float>(depth - offset)));
+    };
+    const FloatMask is_past = hn::Gt(scale, reach(depths.nearest));
+    const FloatMask is_before = hn::Lt(scale, reach(depths.farthest));
+    return hn::And(hn::Gt(w, hn::Zero(d)), hn::And(is_past, is_before));
   }
 
  private:

@@ -277,32 +277,41 @@ void compare_points(const EpipolarLines& lines, const CameraPhases& first,
                     PointPhases& points) {
   const FloatTag d;
   const IntTag di;
+  const hn::RebindToUnsigned<IntTag> du;
   const SeenBand band(second, 0);
   const auto* const own = reinterpret_cast<const float*>(first.bands[0].begin());
-  const Floats nearest = hn::Set(d, static_cast<float>(depths.nearest));
-  const Floats farthest = hn::Set(d, static_cast<float>(depths.farthest));
 
-  const std::size_t count = points.pixels.size();
+  for_each_vector(static_cast<int>(points.pixels.size()), [&](std::size_t i) HWY_ATTR {
+    const Ints counts = hn::LoadU(di, points.counts.data() + i);
+    const int most = hn::GetLane(hn::MaxOfLanes(di, counts));
+    if (most == 0) return;
 
-  for_each_vector(static_cast<int>(count), [&](std::size_t i) HWY_ATTR {
     const Ints pixels = hn::LoadU(di, points.pixels.data() + i);
+    const Ints slots =
+        hn::Mul(hn::Iota(di, static_cast<std::int32_t>(i)), hn::Set(di, points.most));
     const Rays rays(lines, pixels);
     const Pairs reference = gather(own, pixels);
     Floats y = hn::LoadU(d, points.coordinates.data() + i);
 
-    for (int k = 0; k < points.points; ++k) {
+    for (int k = 0; k < most; ++k) {
       // 1. The points, where they lie in the depth range.
-      const Floats w = rays.inverse_depth(y), depth = rays.depth(w, of_other);
-      const FloatMask possible =
-          hn::And(hn::Gt(w, hn::Zero(d)), hn::And(hn::Gt(depth, nearest), hn::Lt(depth, farthest)));
+      const Floats w = rays.inverse_depth(y);
+      const FloatMask asked = hn::RebindMask(d, hn::Gt(counts, hn::Set(di, k)));
+      const FloatMask possible = hn::And(asked, rays.is_between(w, depths, of_other));
+      y = hn::Add(y, hn::Set(d, points.step));
+      if (hn::AllFalse(d, possible)) continue;
 
       // 2. The angle of the product is the difference of the phases.
       const Pairs product = conjugate_product(band.near(rays.place(w)), reference);
       const Floats square = hn::MulAdd(product.x, product.x, hn::Mul(product.y, product.y));
-      const Floats apart = hn::Sub(hn::Set(d, 1.0F), hn::Div(product.x, hn::Sqrt(square)));
-      hn::StoreU(hn::IfThenElse(possible, apart, nans()), d,
-                 points.apart.data() + static_cast<std::size_t>(k) * count + i);
-      y = hn::Add(y, hn::Set(d, points.step));
+      const Floats apart = hn::Sub(hn::Set(d, 1.0F), quotient(product.x, hn::Sqrt(square)));
+
+      // 3. The votes.
+      const FloatMask seen = hn::And(possible, hn::Eq(apart, apart));
+      const Ints steps = hn::ConvertTo(di, hn::Mul(apart, hn::Set(d, 1 / Disagreement::step)));
+      const Ints vote = hn::IfThenElseZero(hn::RebindMask(di, seen),
+                                           hn::Add(steps, hn::Set(di, Disagreement::one_pixel)));
+      hn::ScatterIndex(hn::BitCast(du, vote), du, points.votes.data() + k, slots);
     }
   });
 }
@@ -318,11 +327,11 @@ HWY_EXPORT(compare_points);
 
 namespace {
 
-/// Repeats the last pixel until there are enough for a vector.
-void fill_vectors(std::vector<std::int32_t>& pixels, std::vector<float>& coordinates) {
-  const std::size_t size = std::max<std::size_t>(pixels.size(), least_row_width);
-  pixels.resize(size, pixels.back());
-  coordinates.resize(size, coordinates.back());
+/// Repeats the last value until there are enough for a vector.
+template <class Value>
+void fill_vector(std::vector<Value>& values) {
+  const Value last = values.back();
+  values.resize(std::max<std::size_t>(values.size(), least_row_width), last);
 }
 
 }  // namespace
@@ -335,7 +344,8 @@ void match_pixels(const EpipolarLines& lines, const CameraPhases& first, const C
   constexpr std::array results{&PixelMatches::w, &PixelMatches::x, &PixelMatches::y,
                                &PixelMatches::speed, &PixelMatches::slope};
   const auto find = [&](bool nearby, PixelMatches& of) {
-    fill_vectors(of.pixels, of.coordinates);
+    fill_vector(of.pixels);
+    fill_vector(of.coordinates);
     for (const auto result : results) (of.*result).resize(of.pixels.size());
     HWY_DYNAMIC_DISPATCH(find_matches)(lines, first, second, bands, nearby, of);
   };
@@ -343,7 +353,9 @@ void match_pixels(const EpipolarLines& lines, const CameraPhases& first, const C
   find(true, matches);
 
   // Only pixels without a match are searched farther: few, but each takes long.
-  PixelMatches rest;
+  thread_local PixelMatches rest;
+  rest.pixels.clear();
+  rest.coordinates.clear();
   for (std::size_t k = 0; k < count; ++k) {
     if (!std::isnan(matches.w[k])) continue;
     rest.pixels.push_back(matches.pixels[k]);
@@ -364,8 +376,10 @@ void compare_phases(const EpipolarLines& lines, const CameraPhases& first,
                     const CameraPhases& second, const DepthRange& depths, bool of_other,
                     PointPhases& points) {
   if (points.pixels.empty()) return;
-  fill_vectors(points.pixels, points.coordinates);
-  points.apart.resize(points.pixels.size() * static_cast<std::size_t>(points.points));
+  fill_vector(points.pixels);
+  fill_vector(points.coordinates);
+  fill_vector(points.counts);
+  points.votes.assign(points.pixels.size() * static_cast<std::size_t>(points.most), 0);
   HWY_DYNAMIC_DISPATCH(compare_points)(lines, first, second, depths, of_other, points);
 }
 

@@ -292,6 +292,7 @@ void set_facts(const std::string& path, const VerifyFlags& flags, Test& test, Ou
                 flags.changes.scanner.value_or((fs::path(path) / "scanner.yaml").string()));
   }
   test.facts.emplace_back("patterns", label_of(scan.sequence.strategy));
+  add_temperatures(test.facts, scan_files_in(path, flags.changes));
   test.budget = budget_of(std::move(scan), flags.job, path);
 }
 

@@ -71,7 +71,8 @@ SourceRequest request_for(const CaptureFlags& flags, std::optional<Size> project
 
   // A pose is two scans, along x and along y; a single scan keeps colour pictures whole.
   request.scans = flags.poses ? 2 : 1;
-  request.as_taken = !flags.poses;
+  const bool is_saved = !flags.poses && !flags.output.empty();
+  request.as_taken = is_saved;
   request.loop = true;  // a single recorded cycle counts as static
 
   // Without a choice of patterns the default ones are shown; a replay has its own.
@@ -82,7 +83,7 @@ SourceRequest request_for(const CaptureFlags& flags, std::optional<Size> project
   if (projector && !request.sequence.projector) request.sequence.projector = projector;
 
   // A folder keeps the mosaic of a colour sensor, from which clouds get their colours.
-  request.camera.keep_mosaic = !flags.poses && lower_case_extension(flags.output) != ".slip";
+  request.camera.keep_mosaic = is_saved && lower_case_extension(flags.output) != ".slip";
   return request;
 }
 
@@ -194,7 +195,7 @@ void take_scan(const CaptureFlags& flags, const CaptureRig& rig, Output& output)
   // 3. Save the frames as taken: only unmerged grey frames can be saved in the repaired order.
   if (!several && !opened.in_colour && !is_raw) scan = whole;  // its frames are in order
   ScanFiles files = save_scan(flags.output, scan.frames, scan.sequence, scan.scanner, std::nullopt,
-                              opened.in_colour, opened.white);
+                              opened.in_colour, opened.white, temperatures_of(*opened.frames));
   if (is_raw) {
     files.mosaic = mosaic;
     write_scan_files(files.path / "scan.yaml", files);

@@ -62,8 +62,9 @@ std::string take_poses(const CaptureFlags& flags, const CaptureRig& rig,
     return ends();
   };
 
-  const auto save = [](const fs::path& folder, const Scan& scan) {
-    save_scan(folder, scan.frames, scan.sequence, std::nullopt);
+  const auto save = [&opened](const fs::path& folder, const Scan& scan) {
+    save_scan(folder, scan.frames, scan.sequence, std::nullopt, std::nullopt, false, {},
+              temperatures_of(*opened.frames));
   };
 
   // 1. Take poses until there are enough or the user stops.

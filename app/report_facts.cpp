@@ -9,6 +9,7 @@
 #include <fmt/chrono.h>
 
 #include "io/file.h"
+#include "slipstream/scan_files.h"
 #include "slipstream/scan_job.h"
 #include "slipstream/scanner.h"
 
@@ -35,6 +36,13 @@ void add_scanner(Facts& facts, const Scanner& scanner, const fs::path& file) {
   if (!scanner.measured.empty()) facts.emplace_back("calibrated", scanner.measured);
   if (scanner.calibration_rms > 0) {
     facts.emplace_back("reprojection error", fmt::format("{:.3f} px", scanner.calibration_rms));
+  }
+}
+
+void add_temperatures(Facts& facts, const ScanFiles& scan) {
+  for (const auto& [part, celsius] : scan.temperatures) {
+    facts.emplace_back("temperature of the camera, " + part,
+                       fmt::format("{:g} degrees Celsius", celsius));
   }
 }
 

@@ -8,6 +8,7 @@
 
 namespace slipstream {
 struct ErrorBudget;
+struct ScanFiles;
 struct Scanner;
 }  // namespace slipstream
 
@@ -19,6 +20,9 @@ Facts facts_of_run(const Output& output);
 /// Adds the scanner's file with size and CRC-32, if it is one, the sizes of its pictures, and how
 /// it was calibrated.
 void add_scanner(Facts& facts, const Scanner& scanner, const std::filesystem::path& file);
+
+/// Adds the temperatures of a scan's camera, if known.
+void add_temperatures(Facts& facts, const ScanFiles& scan);
 
 /// An error budget, a row for each source and the total: its size, a bar and how it was found.
 Facts facts_of(const ErrorBudget& budget);

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -168,6 +169,9 @@ struct ControlValue {
   double value = 0, least = 0, most = 0;
 };
 
+/// Temperatures of a camera, degrees Celsius, by the part that it names, e.g. "Sensor".
+using Temperatures = std::map<std::string, double>;
+
 /// Controls of a camera source. Thread-safe, also while streaming.
 class CameraControls {
  public:
@@ -177,6 +181,8 @@ class CameraControls {
   /// Applies to frames from about now on, and again after a reconnection. Throws Error if the
   /// camera refuses.
   virtual void set_control(CameraControl which, double value) = 0;
+  /// As measured by the camera now; empty if unsupported or disconnected.
+  [[nodiscard]] virtual Temperatures temperatures() const { return {}; }
 };
 
 /// Result of waiting for a frame.
@@ -219,6 +225,9 @@ class FrameSource {
   /// Settings that can change while streaming; null if unsupported. Valid as long as the source.
   virtual CameraControls* controls() { return nullptr; }
 };
+
+/// Those of the source's camera; empty if it has no controls.
+Temperatures temperatures_of(FrameSource& source);
 
 /// A source that wraps another and forwards all other calls to it.
 class SourceOver : public FrameSource {

@@ -33,6 +33,7 @@ struct RecordingHeader {
   /// Frames 3 n to 3 n + 2 are the channels of colour picture n, see colour_channels.h.
   bool in_colour = false;
   FrameSet white{};  ///< in colour: the channels of a white picture, see unmixed; may be empty
+  Temperatures temperatures{};  ///< of the camera at the start, stored with `sequence`
 };
 
 /// Bounds a file that grows during a run: a recording or an MCAP file.

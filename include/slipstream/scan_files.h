@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "slipstream/frame_source.h"
 #include "slipstream/scan.h"
 #include "slipstream/sequence.h"
 
@@ -43,6 +44,7 @@ struct ScanFiles {
   /// Of raw pictures of a colour camera, the colours of the first two pixels, e.g. "RG"; else
   /// empty.
   std::string mosaic{};
+  Temperatures temperatures{};  ///< of the camera when the scan was taken; empty if unknown
   /// Colours of the points: a colour picture, or three grey ones under red, green and blue light.
   /// Empty: the mean of the frames, if these are in colour.
   std::vector<std::filesystem::path> colour{};
@@ -156,7 +158,8 @@ std::vector<BoardScans> board_scans(const std::filesystem::path& folder, const S
 ScanFiles save_scan(const std::filesystem::path& path, const FrameViews& frames,
                     const Sequence& sequence, const std::optional<Scanner>& scanner,
                     const std::optional<std::filesystem::path>& scanner_file = std::nullopt,
-                    bool in_colour = false, const FrameSet& white = {});
+                    bool in_colour = false, const FrameSet& white = {},
+                    const Temperatures& temperatures = {});
 
 /// Writes a guard into the folder of a saved scan, as a scan of its own in guard/, and names it in
 /// the scan's scan.yaml.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -29,6 +30,10 @@ namespace slipstream {
 
 struct GObjectUnref {
   void operator()(gpointer object) const { g_object_unref(object); }
+};
+
+struct GFree {
+  void operator()(const char** list) const { g_free(list); }
 };
 
 /// Owns one reference to a GObject.
@@ -140,6 +145,34 @@ class AravisConnection {
     set(fmt::format(fmt::runtime(calls.name), value), calls.set, value / calls.unit);
     // The frame rate may follow from the exposure, so read it again.
     if (period_seconds_ > 0) ask_period();
+  }
+
+  /// See CameraControls. Selects one part after another, if the camera has several.
+  [[nodiscard]] Temperatures temperatures() const {
+    constexpr const char* selector = "DeviceTemperatureSelector";
+    ArvDevice* const device = arv_camera_get_device(camera_.get());
+    ArvGcNode* const measured = arv_device_get_feature(device, "DeviceTemperature");
+    if (measured == nullptr || !ARV_IS_GC_FEATURE_NODE(measured)) return {};
+
+    Temperatures found;
+    const auto read = [&](const char* part) {
+      const auto celsius = number_in<double>(value_of(ARV_GC_FEATURE_NODE(measured)));
+      if (celsius && std::isfinite(*celsius)) found[part] = *celsius;
+    };
+
+    unsigned int count = 0;
+    const std::unique_ptr<const char*, GFree> parts(
+        arv_device_dup_available_enumeration_feature_values_as_strings(device, selector, &count,
+                                                                       nullptr));
+    for (unsigned int i = 0; parts && i < count; ++i) {
+      const char* const part = parts.get()[i];
+      g_autoptr(GError) error = nullptr;
+      arv_device_set_string_feature_value(device, selector, part, &error);
+      if (error == nullptr) read(part);
+    }
+
+    if (found.empty()) read("Camera");
+    return found;
   }
 
   /// The next buffer, null after the timeout. Must be handed back.

@@ -59,6 +59,11 @@ class AravisSource final : public CameraSource<AravisConnection> {
     return CameraSource::control(which);
   }
 
+  [[nodiscard]] Temperatures temperatures() const override {
+    const auto connection = shared_connection();
+    return connection ? connection->temperatures() : Temperatures();
+  }
+
   Arrival next(Frame& frame, milliseconds timeout) override {
     if (!connection_) return seek(timeout);
 

@@ -33,6 +33,7 @@ enum class GigeRegister : std::uint32_t {
   timer_source = 0x380,
   timer_delay = 0x384,     ///< us
   timer_duration = 0x388,  ///< us
+  temperature = 0x390,     ///< of the sensor, degrees Celsius; four bytes on, of the mainboard
   // defined by the standard
   heartbeat_timeout = 0x938,  ///< ms; clamped to half a second to a minute
   control_privilege = 0xa00,

@@ -61,7 +61,14 @@ std::string with_lines(std::string description) {
               R"(<EnumEntry Name="Off"><Value>0</Value></EnumEntry>
 <EnumEntry Name="ExposureStart"><Value>1</Value></EnumEntry>)") +
       feature("Float", "TimerDelay", timer_delay, "", us) +
-      feature("Float", "TimerDuration", timer_duration, "", us);
+      feature("Float", "TimerDuration", timer_duration, "", us) +
+      R"(<Enumeration Name="DeviceTemperatureSelector">
+<EnumEntry Name="Sensor"><Value>0</Value></EnumEntry>
+<EnumEntry Name="Mainboard"><Value>1</Value></EnumEntry><pValue>PartNumber</pValue></Enumeration>
+<Integer Name="PartNumber"><Value>0</Value></Integer>
+)" +
+      feature("Float", "DeviceTemperature", temperature, "", "",
+              R"(<pIndex Offset="4">PartNumber</pIndex>)");
 
   // Insert each addition before a place in Aravis' text.
   for (const auto& [place, text] :
@@ -92,10 +99,14 @@ std::vector<std::uint8_t> fake_camera_memory(const std::string& serial, in_addr 
                                    static_cast<guint32>(pixels));
   }
 
-  // 2. Its registers, and its description with our lines.
+  // 2. Its registers with our temperatures, and its description with our lines.
   constexpr std::uint32_t last = 4;  // it refuses reads that reach its end
   std::vector<std::uint8_t> memory(ARV_FAKE_CAMERA_MEMORY_SIZE);
   arv_fake_camera_read_memory(camera.get(), 0, ARV_FAKE_CAMERA_MEMORY_SIZE - last, memory.data());
+
+  constexpr auto temperature = static_cast<std::size_t>(GigeRegister::temperature);
+  memory.at(temperature + 3) = 41;  // the last byte of a number
+  memory.at(temperature + 7) = 38;
 
   std::size_t size = 0;
   const char* plain = arv_fake_camera_get_genicam_xml(camera.get(), &size);

@@ -42,6 +42,11 @@ Frame::Frame(const FrameFormat& format) : bits(format.bits) {
                      : decltype(pixels)(Image<std::uint16_t>(format.size));
 }
 
+Temperatures temperatures_of(FrameSource& source) {
+  const CameraControls* const controls = source.controls();
+  return controls ? controls->temperatures() : Temperatures();
+}
+
 Reel reel_of(std::vector<Frame> frames) {
   std::vector<std::size_t> order(frames.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

@@ -122,7 +122,9 @@ RecordingWriter::RecordingWriter(const fs::path& path, const RecordingHeader& he
 
   // 1. The texts behind the header: scan.yaml, scanner file and white picture.
   const std::string scan =
-      header.sequence ? scan_yaml_of({.sequence = *header.sequence}, {}) : std::string();
+      header.sequence
+          ? scan_yaml_of({.sequence = *header.sequence, .temperatures = header.temperatures}, {})
+          : std::string();
   const std::string scanner = header.scanner ? text_of(*header.scanner) : std::string();
   throw_if(scanner.size() > largest_text,
            "scanner file of {} bytes is too large to record; limit {}", scanner.size(),
@@ -242,7 +244,11 @@ RecordingReader::RecordingReader(const fs::path& path)
   const std::string name = path.string();
   const auto [scan, scanner] = naming(name, [this] { return read_header(); });
 
-  if (!scan.empty()) header_.sequence = scan_files_from(scan, name, {}).sequence;
+  if (!scan.empty()) {
+    const ScanFiles files = scan_files_from(scan, name, {});
+    header_.sequence = files.sequence;
+    header_.temperatures = files.temperatures;
+  }
   if (!scanner.empty()) header_.scanner = scanner_from(scanner, name);
 
   find_end();

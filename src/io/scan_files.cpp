@@ -360,7 +360,7 @@ std::vector<BoardScans> board_scans(const fs::path& folder, const ScanChanges& c
 ScanFiles save_scan(const fs::path& path, const FrameViews& frames, const Sequence& sequence,
                     const std::optional<Scanner>& scanner,
                     const std::optional<fs::path>& scanner_file, bool in_colour,
-                    const FrameSet& white) {
+                    const FrameSet& white, const Temperatures& temperatures) {
   require_as_taken(sequence.strategy);
   if (in_colour) require_in_colour(sequence, path.string());
 
@@ -371,7 +371,8 @@ ScanFiles save_scan(const fs::path& path, const FrameViews& frames, const Sequen
                     .sequence = sequence,
                     .scanner = scanner_file ? read_scanner(*scanner_file) : scanner,
                     .in_colour = in_colour,
-                    .white = white});
+                    .white = white,
+                    .temperatures = temperatures});
     return scan_files_in(path);
   }
 
@@ -381,6 +382,7 @@ ScanFiles save_scan(const fs::path& path, const FrameViews& frames, const Sequen
                   .described = true,
                   .sequence = sequence,
                   .bits = frames.quantised() ? frames.bits() : 0,
+                  .temperatures = temperatures,
                   .scanner = scanner_file};
 
   const char* const ending = frames.quantised() ? "png" : "tiff";

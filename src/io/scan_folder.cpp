@@ -192,8 +192,8 @@ Sequence read_sequence(const YamlMap& map) {
 
 ScanFiles files_from(const YamlMap& map, const fs::path& folder) {
   map.require_known_keys({"slipstream", "strategy", "exposures", "projector", "bits", "frames",
-                          "scanner", "white", "colour", "colour_scanner", "mosaic", "second_camera",
-                          "guard"});
+                          "scanner", "white", "colour", "colour_scanner", "mosaic", "temperature",
+                          "second_camera", "guard"});
 
   // Read only to refuse other versions of the file's layout.
   [[maybe_unused]] const int version = map.whole_number("slipstream", 1, 1);
@@ -212,6 +212,8 @@ ScanFiles files_from(const YamlMap& map, const fs::path& folder) {
   throw_if(scan.colour.size() > 3 || scan.colour.size() == 2,
            "colour: expected one picture in colour, or three in red, green and blue light");
   if (map.has("mosaic")) scan.mosaic = mosaic_named(map.value<std::string>("mosaic", "a word"));
+
+  map.read("temperature", "a map of numbers, e.g. {Sensor: 41.5}", scan.temperatures);
 
   if (map.has("second_camera")) {
     for (const std::string& camera : map.one_or_list("second_camera", "folders", "a folder")) {
@@ -342,6 +344,9 @@ void put_files(YAML::Emitter& yaml, const ScanFiles& scan, const fs::path& folde
   }
 
   if (!scan.mosaic.empty()) put_value(yaml, "mosaic", scan.mosaic);
+  if (!scan.temperatures.empty()) {
+    put_value(yaml, "temperature", YAML::Flow, scan.temperatures);
+  }
   const auto put_names = [&](const char* key, const std::vector<fs::path>& files) {
     std::vector<std::string> names;
     for (const fs::path& file : files) names.push_back(name_of(file));
@@ -462,6 +467,7 @@ ScanFiles recorded_files(const fs::path& path, std::shared_ptr<const RecordingRe
                   .described = header.sequence.has_value(),
                   .sequence = header.sequence.value_or(Sequence{}),
                   .bits = header.format.bits,
+                  .temperatures = header.temperatures,
                   .recording = std::move(recording)};
 
   if (header.scanner) files.scanner = path;

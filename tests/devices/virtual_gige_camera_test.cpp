@@ -466,6 +466,13 @@ TEST(VirtualGigeCamera, GenICamCameraMakesAMosaicGrey) {
   EXPECT_TRUE(same_pixels(frame, grey));
 }
 
+TEST(VirtualGigeCamera, GenICamCameraReportsItsTemperatures) {
+  const auto camera = serve(some_frames(1, {64, 48}));
+  REQUIRE_CAMERA(camera);
+  const auto source = open_genicam_camera(served_address, {});
+  EXPECT_EQ(temperatures_of(*source), (Temperatures{{"Mainboard", 38}, {"Sensor", 41}}));
+}
+
 TEST(VirtualGigeCamera, GenICamCameraSaysWhatItCannotDo) {
   EXPECT_THROW(open_genicam_camera("no such camera", {}), WorldError);
   const auto camera = serve(some_frames(1, {160, 120}));

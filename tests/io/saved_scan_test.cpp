@@ -50,6 +50,25 @@ void expect_same_frames(const FrameSet& a, const FrameSet& b) {
   }
 }
 
+TEST(SavedScan, KeepsTheTemperaturesOfTheCamera) {
+  const TemporaryFolder folder;
+  const Temperatures measured{{"Mainboard", 38}, {"Sensor", 41.5}};
+  for (const char* const name : {"scan", "scan.slip"}) {
+    const fs::path path = folder.path() / name;
+    save_scan(path, some_scan().frames, sequence, std::nullopt, std::nullopt, false, {}, measured);
+    EXPECT_EQ(scan_files_in(path).temperatures, measured) << name;
+  }
+
+  expect_error(
+      [] {
+        (void)scan_files_from(
+            "{slipstream: 1, strategy: {name: pmp}, temperature: "
+            "warm}",
+            "scan.yaml", {});
+      },
+      {"temperature", "{Sensor: 41.5}"});
+}
+
 // Pixel 0 of the binned pictures joins pixels 0 and 1, whose middle is 0.5.
 TEST(SavedScan, OfACameraThatJoinsPixelsSinceTheCalibrationHasItsLens) {
   const TemporaryFolder folder;

@@ -43,6 +43,22 @@ TEST(RayTable, HoldsTheRays) {
   }
 }
 
+/// Interpolated rays take a small part of the time of exact ones, from which rounding tells them.
+TEST(RayTable, InterpolatesTheRaysOfUsualLenses) {
+  int interpolated = 0;
+  for (const double focal : {400.0, 500.0, 600.0, 800.0}) {
+    Lens camera{.distortion = make_distortion(std::array{-0.1, 0.02, 0.0, 0.0}),
+                .size = {640, 480}};
+    camera.intrinsic << focal, 0, 320, 0, focal, 240, 0, 0, 1;
+    const RayTable table = ray_table(camera).value();
+    for (int column = 0; column < 640; ++column) {
+      const Eigen::Vector3d ray = ray_through(camera, {column, 3});
+      if (table.E_x(column, 3) != static_cast<float>(ray.x())) ++interpolated;
+    }
+  }
+  EXPECT_GT(interpolated, 20);
+}
+
 TEST(RayTable, HoldsTheRaysOfALensThatBendsMuch) {
   Lens camera;
   camera.size = {160, 120};

@@ -13,13 +13,14 @@
 
 namespace slipstream::exposure_advice_test {
 
-ExposureAdvice advice_for(const char* scene, std::vector<double> exposures) {
+ExposureAdvice advice_for(const char* scene, std::vector<double> exposures,
+                          double longest = ExposureNeeds{}.longest) {
   const Scanner scanner = example_scanner({320, 240});
   const Sequence sequence{.strategy = DualFrequency{}, .exposures = std::move(exposures)};
   const FrameSet frames = take_scan(scanner, scene_named(scene, scanner), pattern_set(sequence),
                                     {.ambient = 5, .noise_variance = 1.55})
                               .frames;
-  return exposure_advice(frames, sequence, {.noise_variance = 1.63});
+  return exposure_advice(frames, sequence, {.noise_variance = 1.63, .longest = longest});
 }
 
 TEST(ExposureAdvice, ProposesSeveralForASceneOfHighContrast) {
@@ -48,6 +49,10 @@ TEST(ExposureAdvice, ProposesOneForAnEvenScene) {
 TEST(ExposureAdvice, SaysWhatIsSaturatedInAll) {
   const ExposureAdvice advice = advice_for("contrast", {4});
   EXPECT_GT(advice.unknown, 0.3);
+}
+
+TEST(ExposureAdvice, SaysWhichShareOfTheShortestExposureSuffices) {
+  EXPECT_DOUBLE_EQ(advice_for("contrast", {4}, 2).light, 0.5);
 }
 
 TEST(ExposureAdvice, DarknessIsAnError) {

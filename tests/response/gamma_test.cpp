@@ -1,10 +1,15 @@
 #include "slipstream/gamma.h"
 
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <ostream>
+#include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -18,6 +23,10 @@
 #include "response/harmonics.h"
 #include "response/response_fit.h"
 #include "slipstream/error.h"
+#include "slipstream/frame_set.h"
+#include "slipstream/phase_shifting.h"
+#include "slipstream/sequence.h"
+#include "slipstream/strategy.h"
 
 namespace slipstream {
 
@@ -124,6 +133,48 @@ TEST(Gamma, BlindGammaRefusesWhereTheDataDoNotSay) {
   const Image<MeasuredHarmonics> pixels = full_circle(PowerLaw{2.2}, 4);
   EXPECT_EQ(find_gamma(pixels, Image<std::uint8_t>(pixels.size()), 4).refusal,
             BlindRefusal::too_few_pixels);
+}
+
+/// Blind gamma of two sinusoids of eight steps. `show`: light, 0 to 1, of the sinusoid 0 or 1 where
+/// a pattern has a value; `noise`: of each, in grey levels.
+template <class Show>
+BlindGamma blind_gamma_of_two(const std::array<double, 2>& noise, const Show& show) {
+  const Sequence sequence{.strategy = DualFrequency{.steps = 8}};
+  const PatternSet patterns = pattern_set(sequence);
+  std::mt19937 random(1);
+  std::normal_distribution<double> deviation;
+
+  FrameSet::Images8 frames;
+  for (int n = 0; n < patterns.count; ++n) {
+    const std::size_t sinusoid = n < 8 ? 0 : 1;
+    Image<std::uint8_t>& frame = frames.emplace_back(Size{160, 90});
+    for (std::size_t i = 0; i < frame.pixel_count(); ++i) {
+      const double light = show(sinusoid, patterns.shape(n, static_cast<double>(i % 160) / 160, 0));
+      const double grey = 30 + 190 * light + noise[sinusoid] * deviation(random);
+      frame.begin()[i] = static_cast<std::uint8_t>(std::lround(grey));
+    }
+  }
+  return choose_gamma("blind", {}, sequence.strategy.layout(), FrameSet(std::move(frames)))
+      .blind.value();
+}
+
+TEST(Gamma, BlindGammaIsThatOfTheSurerSinusoidInEitherOrder) {
+  const auto shown = [](std::size_t, double value) { return std::pow(value, 2.2); };
+  const double unsure = blind_gamma_of_two({2, 2}, shown).standard_error;
+  for (const std::array<double, 2> noise : {std::array{2.0, 0.5}, std::array{0.5, 2.0}}) {
+    const BlindGamma found = blind_gamma_of_two(noise, shown);
+    EXPECT_TRUE(found.accepted()) << reason_of(found.refusal);
+    EXPECT_LT(found.standard_error, 0.5 * unsure);
+  }
+}
+
+TEST(Gamma, BlindGammaIsRefusedIfOneSinusoidFollowsNoPowerLaw) {
+  for (const std::size_t wrong : {0U, 1U}) {
+    const BlindGamma found = blind_gamma_of_two({1, 1}, [&](std::size_t sinusoid, double value) {
+      return sinusoid == wrong ? 0.5 - 0.5 * std::cos(pi * value) : std::pow(value, 2.2);
+    });
+    EXPECT_EQ(found.refusal, BlindRefusal::no_power_law) << wrong;
+  }
 }
 
 struct Experiment {

@@ -188,8 +188,11 @@ void convert_to_recording(const std::vector<std::string>& paths, const std::stri
                           const ScanChanges& changes, Output& output) {
   JoinedRecording recording(path, paths.size());
   for (const std::string& input : paths) {
-    is_mcap(input) ? add_published(input, recording, output)
-                   : add_replayed(input, changes, recording, output);
+    if (is_mcap(input)) {
+      add_published(input, recording, output);
+    } else {
+      add_replayed(input, changes, recording, output);
+    }
   }
 
   const std::uint64_t frames = recording.finish();
@@ -252,7 +255,11 @@ class CloudFiles {
     last_ = time.value_or(count_ == 0 ? 0 : last_ + nanoseconds);
     ++count_;
 
-    is_mcap(path_) ? add_message(stored) : add_file(stored, name);
+    if (is_mcap(path_)) {
+      add_message(stored);
+    } else {
+      add_file(stored, name);
+    }
   }
 
   void finish() {

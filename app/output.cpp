@@ -228,8 +228,14 @@ nlohmann::json json_of(const FramePose& pose) {
 }
 
 bool tell_fallback(const std::string& reason, bool matters, Output& output) {
-  if (!reason.empty()) matters ? output.warn(reason) : output.say("{}", reason);
-  return !reason.empty();
+  if (reason.empty()) return false;
+
+  if (matters) {
+    output.warn(reason);
+  } else {
+    output.say("{}", reason);
+  }
+  return true;
 }
 
 }  // namespace slipstream::app

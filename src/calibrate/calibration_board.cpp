@@ -86,7 +86,8 @@ BoardKind board_kind_named(std::string_view name) {
 void require_valid(const CalibrationBoard& board) {
   constexpr int most = 200;
   const int fewest = board.kind == BoardKind::charuco ? 2 : 3;
-  const auto& [kind, columns, rows, spacing, row_spacing, diameter, side, bits] = board;
+  const int columns = board.columns;
+  const int rows = board.rows;
 
   throw_if(columns < fewest || rows < fewest || columns > most || rows > most,
            "board of {}x{} corners is out of range; {} to {} each way", columns, rows, fewest,
@@ -95,22 +96,24 @@ void require_valid(const CalibrationBoard& board) {
   const auto require = [](bool holds, const std::string& what, const char* range) {
     throw_if(!holds, "{} is out of range; {}", what, range);
   };
-  require(spacing > 0 && std::isfinite(spacing), fmt::format("spacing {} mm", spacing),
-          "more than 0");
+  require(board.spacing > 0 && std::isfinite(board.spacing),
+          fmt::format("spacing {} mm", board.spacing), "more than 0");
 
-  const double down = row_spacing.value_or(spacing);
+  const double down = board.row_spacing.value_or(board.spacing);
   require(down > 0 && std::isfinite(down), fmt::format("spacing of rows {} mm", down),
           "more than 0");
 
-  const double size = diameter.value_or(diameter_of(board));
-  const bool symmetric = kind == BoardKind::symmetric_circles;
+  const double size = board.circle_diameter.value_or(diameter_of(board));
+  const bool symmetric = board.kind == BoardKind::symmetric_circles;
   require(size > 0.1 && size < (symmetric ? 1 : 1.4),
           fmt::format("circle diameter {} spacings", size), symmetric ? "0.1 to 1" : "0.1 to 1.4");
-  require(side > 0.2 && side < 1, fmt::format("marker side {} squares", side), "0.2 to 1");
-  require(bits >= 4 && bits <= 7, fmt::format("marker bits {}", bits), "4 to 7");
+  require(board.marker_side > 0.2 && board.marker_side < 1,
+          fmt::format("marker side {} squares", board.marker_side), "0.2 to 1");
+  require(board.marker_bits >= 4 && board.marker_bits <= 7,
+          fmt::format("marker bits {}", board.marker_bits), "4 to 7");
 
   const int markers = (columns + 1) * (rows + 1) / 2;
-  throw_if(kind == BoardKind::charuco && markers > charuco_dictionary_size,
+  throw_if(board.kind == BoardKind::charuco && markers > charuco_dictionary_size,
            "a ChArUco board of {}x{} corners needs {} markers; OpenCV has {}: use fewer corners",
            columns, rows, markers, charuco_dictionary_size);
 }

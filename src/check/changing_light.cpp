@@ -48,17 +48,19 @@ double brightness_of(double inverse_gain) {
 /// The frame whose gain alone explains nearly all, and more than any other's.
 std::optional<FrameGain> odd_frame(const FrameGains& gains) {
   constexpr double least_share = 0.7, least_lead = 0.1;
-  const auto& [frames, unused, normal, right, all, variation] = gains;
   std::optional<FrameGain> best;
 
   double most = 0, second = 0;
-  for (Eigen::Index n = 0; n < right.size(); ++n) {
+  for (Eigen::Index n = 0; n < gains.right.size(); ++n) {
+    const double right = gains.right[n];
+    const double normal = gains.normal(n, n);
+
     // Part of the residual that the gain of frame n alone explains by least squares.
-    const double share = normal(n, n) > 0 && all > 0 ? right[n] * right[n] / normal(n, n) / all : 0;
+    const double share = normal > 0 && gains.all > 0 ? right * right / normal / gains.all : 0;
     second = std::max(second, std::min(share, most));
     if (share <= most) continue;
     most = share;
-    best = FrameGain{frames[n], brightness_of(right[n] / normal(n, n)) - 1};
+    best = FrameGain{gains.frames[n], brightness_of(right / normal) - 1};
   }
 
   // The clearest frame must stand out from the second.

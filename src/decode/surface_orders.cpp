@@ -284,7 +284,11 @@ void SurfaceOrders::join_rows(const Image<float>& wrapped_phase, const SecondPha
       }
 
       // Go on with the run that ends first.
-      runs_[above].last < runs_[run].last ? ++above : ++run;
+      if (runs_[above].last < runs_[run].last) {
+        ++above;
+      } else {
+        ++run;
+      }
     }
 
     above = begin;

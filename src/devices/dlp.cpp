@@ -364,7 +364,11 @@ void DlpSink::show(std::size_t n) {
   if (!found_.empty()) return;
 
   enter(is_dlpc350_ ? 1 : video_patterns);
-  is_dlpc350_ ? define_on_dlpc350() : define_on_dlpc900(3);
+  if (is_dlpc350_) {
+    define_on_dlpc350();
+  } else {
+    define_on_dlpc900(3);
+  }
   loop();
 }
 

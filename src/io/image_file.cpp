@@ -193,12 +193,20 @@ void require_map_ending(const fs::path& path) {
 
 void write_map(const fs::path& path, const Image<float>& map) {
   require_map_ending(path);
-  is_npy(path) ? write_file(path, npy_file_of(map)) : write_picture(path, map);
+  if (is_npy(path)) {
+    write_file(path, npy_file_of(map));
+  } else {
+    write_picture(path, map);
+  }
 }
 
 void write_map(const fs::path& path, const Image<double>& map) {
   require_map_ending(path);
-  is_npy(path) ? write_file(path, npy_file_of(map)) : write_map(path, converted<float>(map));
+  if (is_npy(path)) {
+    write_file(path, npy_file_of(map));
+  } else {
+    write_map(path, converted<float>(map));
+  }
 }
 
 Image<double> read_map(const fs::path& path) {

@@ -74,9 +74,13 @@ std::vector<fs::path> write_patterns(const fs::path& folder, const PatternSet& p
     if (n == 0) make_folder(folder);
     const fs::path file = pattern_file(folder, static_cast<std::size_t>(n));
 
-    patterns.binary ? write_one_bit_image(file, in_8_bits(picture))
-    : bits == 8     ? write_image(file, in_8_bits(picture))
-                    : write_image(file, picture);
+    if (patterns.binary) {
+      write_one_bit_image(file, in_8_bits(picture));
+    } else if (bits == 8) {
+      write_image(file, in_8_bits(picture));
+    } else {
+      write_image(file, picture);
+    }
 
     pictures.push_back(file);
     written();

@@ -169,7 +169,11 @@ bool RecordingWriter::keeps_frames() const {
 RecordingWriter::~RecordingWriter() {
   try {
     if (!file_) return;
-    keeps_frames() ? file_->keep() : file_->discard();
+    if (keeps_frames()) {
+      file_->keep();
+    } else {
+      file_->discard();
+    }
   } catch (const std::exception&) {
     // A destructor must not throw; the frames written stay.
   }

@@ -155,7 +155,11 @@ ReplaySource::ReplaySource(const fs::path& path, const ReplaySettings& settings)
   throw_if(!(rate >= 0 && std::isfinite(rate)),
            "replay rate {} frames per second: expected 0 (as fast as possible) or more", rate);
 
-  fs::is_directory(path) ? open_folder(path) : open_recording(path);
+  if (fs::is_directory(path)) {
+    open_folder(path);
+  } else {
+    open_recording(path);
+  }
   measure_round(path);
   ahead_ = Frame(header_.format);
 }

@@ -243,8 +243,11 @@ void write_results(const ResultFiles& files, const Cloud& cloud, const Maps& map
   }
 
   if (files.preview.empty()) return;
-  cloud.z.empty() ? write_preview_of_maps(files.preview, cloud.validity, maps)
-                  : write_depth_preview(files.preview, cloud);
+  if (cloud.z.empty()) {
+    write_preview_of_maps(files.preview, cloud.validity, maps);
+  } else {
+    write_depth_preview(files.preview, cloud);
+  }
 }
 
 void DistinctFiles::add_input(const fs::path& path, int levels) {

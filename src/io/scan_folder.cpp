@@ -292,35 +292,36 @@ void put_value(YAML::Emitter& yaml, const std::string& key, const Value&... valu
 
 /// The strategy and how it is shown, the exposures and the projector.
 void put_sequence(YAML::Emitter& yaml, const Sequence& sequence) {
-  // `in`: the lengths in projector pixels.
-  const auto& [strategy, axis, light, projector, marker, exposures, binary, both_axes, motion, in] =
-      sequence;
-
   // 1. The strategy, in one line.
   put_value(yaml, "strategy", YAML::Flow, YAML::BeginMap);
-  put_value(yaml, "name", strategy.name());
-  for (const auto& [name, value] : strategy.settings()) {
+  put_value(yaml, "name", sequence.strategy.name());
+  for (const auto& [name, value] : sequence.strategy.settings()) {
     put_value(yaml, name, value.text());
   }
 
   // Along one axis, the setting itself gives the same patterns.
   for (const auto& [key, setting] : lengths) {
-    if (both_axes && in.contains(setting)) put_value(yaml, key, in.at(setting).text());
+    if (sequence.both_axes && sequence.lengths.contains(setting)) {
+      put_value(yaml, key, sequence.lengths.at(setting).text());
+    }
   }
 
   put_value(yaml, "axis", std::string(axes_of(sequence)));
-  put_value(yaml, "alpha_p", light.alpha_p);
-  put_value(yaml, "beta_p", light.beta_p);
+  put_value(yaml, "alpha_p", sequence.light.alpha_p);
+  put_value(yaml, "beta_p", sequence.light.beta_p);
 
   // Defaults are left out.
-  if (marker) put_value(yaml, "marker", true);
-  if (binary) put_value(yaml, "binary", true);
-  if (motion > 0) put_value(yaml, "motion", motion);
+  if (sequence.marker) put_value(yaml, "marker", true);
+  if (sequence.binary) put_value(yaml, "binary", true);
+  if (sequence.motion > 0) put_value(yaml, "motion", sequence.motion);
   yaml << YAML::EndMap;
 
   // 2. The exposures and the projector.
-  if (exposures != Sequence{}.exposures) put_value(yaml, "exposures", YAML::Flow, exposures);
+  if (sequence.exposures != Sequence{}.exposures) {
+    put_value(yaml, "exposures", YAML::Flow, sequence.exposures);
+  }
 
+  const Size projector = sequence.projector;
   if (projector != Size{}) {
     put_value(yaml, "projector", YAML::Flow, YAML::BeginMap);
     put_value(yaml, "width", projector.width);

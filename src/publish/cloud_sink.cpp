@@ -60,12 +60,13 @@ void require_settable(const std::vector<RunSetting>& settings, const std::string
   }
 
   // A number.
-  const auto& [_, help, unit, now, choices, least, most, state] = *setting;
+  const auto& choices = setting->choices;
   if (choices.empty()) {
     const auto number = number_in<double>(value);
-    if (number && *number >= least && *number <= most) return;
-    throw Error(fmt::format("{} '{}': expected a number from {:g} to {:g}{}{}", name, value, least,
-                            most, unit.empty() ? "" : " ", unit));
+    if (number && *number >= setting->least && *number <= setting->most) return;
+    throw Error(fmt::format("{} '{}': expected a number from {:g} to {:g}{}{}", name, value,
+                            setting->least, setting->most, setting->unit.empty() ? "" : " ",
+                            setting->unit));
   }
 
   // A choice.

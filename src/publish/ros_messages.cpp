@@ -155,18 +155,17 @@ PointLayout read_layout(std::span<const std::uint8_t> message) {
 
 /// Throws Error unless x, y and z are there, and fields and rows lie within the data.
 void require_readable(const PointLayout& layout) {
-  const auto& [frame, width, height, offsets, big_endian, step, row_step, data] = layout;
-
-  const auto lies_in_point = [step = step](const std::optional<std::uint32_t>& offset) {
+  const auto lies_in_point = [step = layout.step](const std::optional<std::uint32_t>& offset) {
     return !offset || (step >= sizeof(float) && *offset <= step - sizeof(float));
   };
 
-  const std::uint64_t points = std::uint64_t{width} * height;
-  const auto& numbers = offsets.numbers;
-  throw_if(big_endian || !numbers[0] || !numbers[1] || !numbers[2] || points == 0 ||
-               !std::ranges::all_of(numbers, lies_in_point) || !lies_in_point(offsets.colour) ||
-               points > largest_picture || row_step < std::uint64_t{width} * step ||
-               data.size() < std::uint64_t{row_step} * height,
+  const std::uint64_t points = std::uint64_t{layout.width} * layout.height;
+  const auto& numbers = layout.offsets.numbers;
+  throw_if(layout.big_endian || !numbers[0] || !numbers[1] || !numbers[2] || points == 0 ||
+               !std::ranges::all_of(numbers, lies_in_point) ||
+               !lies_in_point(layout.offsets.colour) || points > largest_picture ||
+               layout.row_step < std::uint64_t{layout.width} * layout.step ||
+               layout.data.size() < std::uint64_t{layout.row_step} * layout.height,
            "cloud without little-endian 32-bit float x, y, z fields");
 }
 
@@ -241,11 +240,11 @@ CloudTopic points_topic() {
             auto sigma = is_known ? of.run.uncertainty(of.cloud) : std::nullopt;
             Uncertainty* const known = sigma ? &*sigma : nullptr;
             if (!of.run.frame) {
-              return write_point_cloud(of.cloud.cloud, of.header, message, known);
+              return write_point_cloud(of.cloud.points(), of.header, message, known);
             }
 
             // Other sinks take the cloud too, so a copy moves to the frame of the points.
-            Cloud moved = of.cloud.cloud;
+            Cloud moved = of.cloud.points();
             move_to_frame(moved, *of.run.frame, known);
             write_point_cloud(moved, {of.header.time, of.run.frame->to}, message, known);
           }};

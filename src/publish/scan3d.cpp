@@ -184,20 +184,20 @@ std::string name_from(const std::string& words) {
 }
 
 void add_setting(Features& features, const RunSetting& setting, GigeRegister where) {
-  const auto& [name, help, unit, value, choices, least, most, state] = setting;
-  const std::string shown = name == "exposure" ? "ExposureTime"     // its SFNC name
-                            : name == "rate"   ? "CameraFrameRate"  // its own would clash
-                                               : name_from(name);
+  const std::string shown = setting.name == "exposure" ? "ExposureTime"     // its SFNC name
+                            : setting.name == "rate"   ? "CameraFrameRate"  // its own would clash
+                                                       : name_from(setting.name);
 
-  const std::string words = "<ToolTip>" + escaped(help) + "</ToolTip>";
+  const std::string words = "<ToolTip>" + escaped(setting.help) + "</ToolTip>";
 
   // A number.
+  const auto& choices = setting.choices;
   if (choices.empty()) {
     const double scale = feature_scale(setting);
-    return features.add(
-        "Float", shown, where, "RW",
-        {.before = words,
-         .after = fmt::format("<Min>{:.6g}</Min><Max>{:.6g}</Max>", least * scale, most * scale)});
+    return features.add("Float", shown, where, "RW",
+                        {.before = words,
+                         .after = fmt::format("<Min>{:.6g}</Min><Max>{:.6g}</Max>",
+                                              setting.least * scale, setting.most * scale)});
   }
 
   // A choice, or a switch.

@@ -94,7 +94,11 @@ struct Engine::Tables {
   explicit Tables(const EngineSetup& of)
       : setup(of), complete(as_reconstructed(of)), corrections(phase_corrections(of)) {
     // 1. The setup: without geometry only maps are possible.
-    has_geometry(of.scanner) ? require_reconstructible(complete) : require_valid(complete);
+    if (has_geometry(of.scanner)) {
+      require_reconstructible(complete);
+    } else {
+      require_valid(complete);
+    }
     raise_least_modulation(complete);
     noise = depth_noise(complete);
 

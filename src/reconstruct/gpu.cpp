@@ -350,7 +350,11 @@ struct GpuRun::Parts {
 
   static void end(Parts* own) {
     try {
-      own->gpu->lost_ ? own->wait(0) : own->wait();
+      if (own->gpu->lost_) {
+        own->wait(0);
+      } else {
+        own->wait();
+      }
     } catch (const std::runtime_error&) {
     }
     if (!own->runs) return delete own;

@@ -95,7 +95,11 @@ void outlive_x_server() {
 
 /// Without the desktop GLFW would wait for its answers; only the context can be let go.
 void destroy_window(GLFWwindow* window) {
-  desktop_gone ? glfwMakeContextCurrent(nullptr) : glfwDestroyWindow(window);
+  if (desktop_gone) {
+    glfwMakeContextCurrent(nullptr);
+  } else {
+    glfwDestroyWindow(window);
+  }
 }
 
 std::string last_words() {

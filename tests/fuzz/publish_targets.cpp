@@ -68,8 +68,11 @@ Bytes plain_file(bool in_chunk) {
   append(chunk, std::uint64_t{5}, std::uint64_t{5}, std::uint64_t{records.size()}, std::uint32_t{0},
          ""sv, std::uint64_t{records.size()}, std::span<const std::uint8_t>(records));
   append_record(file, mcap::header, {});
-  in_chunk ? append_record(file, mcap::chunk, chunk)
-           : append(file, std::span<const std::uint8_t>(records));
+  if (in_chunk) {
+    append_record(file, mcap::chunk, chunk);
+  } else {
+    append(file, std::span<const std::uint8_t>(records));
+  }
   append_record(file, mcap::data_end, Bytes(4));
   return file;
 }

@@ -170,9 +170,11 @@ void unwrap_bands(const FusedBand& band, int row, const SinusoidRow& decoded, Ma
 
   // 2. Start: the best of all fringe orders, a code alone, or the coarsest coordinate.
   if (const auto& orders = band.stages.orders) {
-    band.stages.weighs_modulations()
-        ? likelihood_row(*orders, scratch.turns, scratch.modulations, to)
-        : fit_row(*orders, band.limits.front(), band.frame_rows(row), scratch.turns.begin(), to);
+    if (band.stages.weighs_modulations()) {
+      likelihood_row(*orders, scratch.turns, scratch.modulations, to);
+    } else {
+      fit_row(*orders, band.limits.front(), band.frame_rows(row), scratch.turns.begin(), to);
+    }
   }
   if (band.stages.reads_stripes()) read_code(band, row, decoded, to);
   const float* coarse = chain.empty() ? nullptr : coarse_row(band, row, decoded);
@@ -242,7 +244,11 @@ void several_bands(const FusedBand& band) {
 
 void run_band(const FusedBand& band) {
   if (band.stages.cue) return voted_band(band);
-  band.stages.asks_neighbours() ? several_bands(band) : one_band(band);
+  if (band.stages.asks_neighbours()) {
+    several_bands(band);
+  } else {
+    one_band(band);
+  }
 }
 
 FrameRows FusedBand::frame_rows(int row, int column) const {

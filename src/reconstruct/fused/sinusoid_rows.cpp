@@ -256,8 +256,11 @@ HWY_INLINE void decode_weighted(const SinusoidStage& stage, const Pixel* const* 
   const auto exact = [whole, frames](std::size_t i)
                          SLIPSTREAM_STEP { return whole_sums(whole, frames, i); };
 
-  whole.empty() ? decode_with<0>(stage, any, saturation, row)
-                : decode_with<0>(stage, exact, saturation, row);
+  if (whole.empty()) {
+    decode_with<0>(stage, any, saturation, row);
+  } else {
+    decode_with<0>(stage, exact, saturation, row);
+  }
 }
 
 template <class Pixel>

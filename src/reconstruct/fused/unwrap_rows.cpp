@@ -250,8 +250,11 @@ HWY_NOINLINE void read_row(const CodeStage& stage, float grey_level, const Pixel
 void CodeRow(const CodeStage& stage, float grey_level, const FrameRows& frames,
              const float* reference, float* contrast, const UnwrappedRow& row) {
   const auto read = [&](auto of) {
-    stage.alone ? read_row<true>(stage, grey_level, of, reference, contrast, row)
-                : read_row<false>(stage, grey_level, of, reference, contrast, row);
+    if (stage.alone) {
+      read_row<true>(stage, grey_level, of, reference, contrast, row);
+    } else {
+      read_row<false>(stage, grey_level, of, reference, contrast, row);
+    }
   };
 
   std::visit(read, frames);

@@ -14,6 +14,7 @@
 #include "app/process.h"
 #include "base/printable.h"
 #include "frames/pattern_windows.h"
+#include "io/model_file.h"
 
 #ifdef SLIPSTREAM_VIEW
 #include "view/opengl.h"
@@ -110,9 +111,18 @@ void write_results(LiveSession& session, const LiveFlags& flags, Output& output)
   const std::shared_ptr<const FramePose> frame = wanted_frame(flags.settings);
   if (!flags.output.empty()) {
     const Pooled<LiveCloud> last = session.pipeline().newest();
-    if (!last) throw WorldError(fmt::format("{}: no cloud to write", flags.output));
+    if (!last || (flags.live.fuse && !last->fused)) {
+      throw WorldError(fmt::format("{}: no cloud to write", flags.output));
+    }
     const std::string file = session.file_to_write(flags.output);
-    write_cloud(file, last->cloud, {.remarks = remarks_about(statistics.findings), .frame = frame});
+    const std::vector<std::string> remarks = remarks_about(statistics.findings);
+    if (last->fused) {
+      FusedModel model = *last->fused;
+      if (frame) move_to_frame(model, *frame);
+      write_model(file, model, remarks);
+    } else {
+      write_cloud(file, last->cloud, {.remarks = remarks, .frame = frame});
+    }
     output.add_file("cloud", file);
   }
 
@@ -241,8 +251,8 @@ void require_good(const LiveFlags& flags) {
   throw_if(!flags.second_camera.empty() && (flags.monitor || !flags.record.empty()),
            "--second-camera excludes --monitor, as the projector must trigger both cameras, and "
            "--record: record each camera with slipstream record");
-  throw_if(flags.second_scanner && flags.second_camera.empty(),
-           "--second-scanner needs --second-camera");
+  throw_if((flags.second_scanner || flags.live.fuse) && flags.second_camera.empty(),
+           "{} needs --second-camera", flags.live.fuse ? "--fuse" : "--second-scanner");
 
   // A v4l2 camera has no trigger input, so only a marker frame can tell it where a cycle begins.
   throw_if(scheme_of(source.source) == "v4l2" && !flags.monitor &&
@@ -321,6 +331,9 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
   add_backend_flag(command, flags.settings);
   FlagGroup{command.app, "Valid pixels"}.add_settings(flags.settings);
   add_clean_flags(command.app, flags.settings);
+  command.add("--fuse", flags.live.fuse,
+              "two cameras: instead of matching their phases, fuse the points that each measures "
+              "with the projector");
   add_frame_flag(command.app, flags.settings);
 #ifdef SLIPSTREAM_VIEW
   add_view_flags(command.app, flags.view);

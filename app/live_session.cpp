@@ -115,6 +115,8 @@ Scanner add_second_camera(const LiveFlags& flags, SourceRequest request, NamedSo
   Scanner scanner = completed(*second.scanner, second.scanner_name, second.frames->format().size,
                               second.sequence.projector);
   opened.frames =
+  auto& response = scanner.photometry.response;
+  response = choose_gamma(flags.gamma, response).response;
       std::make_unique<PairedSource>(std::move(opened.frames), std::move(second.frames));
   return scanner;
 }

@@ -82,6 +82,8 @@ struct ModelStatistics {
 std::string text_of(const ObjectTrack& track);
 std::string text_of(const ModelStatistics& model);
 
+struct FusedModel;
+
 /// A diagnostic of a live scan, and how long it lasted.
 struct LiveFinding {
   Finding finding;          ///< as first reported
@@ -194,12 +196,20 @@ std::string text_of(const LiveStatistics& statistics);
 struct LiveCloud {
   Cloud cloud;               ///< empty without a scanner
   ValidityCounts cleaned{};  ///< points that cleaning removed, by reason
+  /// With LiveSettings::fuse, the points of both cameras in the first one's frame, and the same as
+  /// a cloud of one row; `cloud` has those of the first camera. Null and empty if a camera measures
+  /// too few.
+  std::shared_ptr<const FusedModel> fused;
+  Cloud fused_points;
   /// The window, in the order given by PatternWindows; frames as captured.
   std::vector<Pooled<Frame>> frames;
   std::shared_ptr<const Sequence> sequence;  ///< of the frames
   int first_pattern = 0;                     ///< index of the first frame's pattern
   int motion = 0;                            ///< frames beyond one cycle used for the cloud
   FrameStamp newest;                         ///< the frame that completed the window
+
+  /// Those of both cameras if they were fused.
+  [[nodiscard]] const Cloud& points() const { return fused ? fused_points : cloud; }
 };
 
 /// Settings of a LivePipeline.
@@ -216,6 +226,10 @@ struct LiveSettings {
   /// The frames carry pictures of a second camera, see PairedSource, and clouds come from matches
   /// between both, see PhaseMatcher: this camera with the same projector.
   std::optional<Scanner> second_camera = {};
+  /// With it, fuses the points that each camera measures with the projector: see
+  /// ScanJobSettings::fuse. reconstruct() gives the same cloud of a scan of the window. It is
+  /// empty, with a diagnostic, if a camera measures too little.
+  bool fuse = false;
   /// Colours of the camera's pixels, which do not change, as of a replayed scan; empty if unknown.
   Image<Colour> colour = {};
   /// Called for every cloud, in order, in the thread of the show stage; meanwhile clouds and frames
@@ -275,7 +289,7 @@ class LivePipeline {
   /// Model of the clouds since the start; no points unless the settings ask for one.
   [[nodiscard]] ModelPoints model() const;
   /// Diagnostics of the frames since the start; LiveStatistics has the current ones. One window per
-  /// cycle is checked, before it becomes a cloud.
+  /// cycle is checked, before it is shown.
   [[nodiscard]] std::vector<LiveFinding> findings() const;
 
  private:

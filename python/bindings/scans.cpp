@@ -16,6 +16,7 @@
 
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"
+#include "frames/copied_frames.h"
 #include "io/file.h"
 #include "io/scan_folder.h"
 #include "io/scan_scanner.h"
@@ -31,20 +32,6 @@
 
 namespace slipstream::python {
 namespace {
-
-FrameSet copied(const FrameViews& frames) {
-  return frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
-    std::vector<Image<Pixel>> images;
-    for (const ImageView<const Pixel>& view : views) {
-      images.emplace_back(view.size());
-      for (int row = 0; row < view.height(); ++row) {
-        std::copy_n(view.row(row), view.width(), images.back().row(row));
-      }
-    }
-
-    return FrameSet(std::move(images), frames.bits());
-  });
-}
 
 /// The scanner must fit the frames and the sequence; its projector is the sequence's.
 void set_scanner(Scan& scan, const Given<Scanner>& scanner) {

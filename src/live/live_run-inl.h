@@ -149,7 +149,7 @@ class LiveRun {
 
     statistics.motion = newest->motion;
     statistics.cleaned = newest->cleaned;
-    statistics.cleaned[static_cast<std::size_t>(Validity::valid)] = point_count(newest->cloud);
+    statistics.cleaned[static_cast<std::size_t>(Validity::valid)] = point_count(newest->points());
     return statistics;
   }
 
@@ -312,6 +312,9 @@ class LiveRun {
       LiveCloud& cloud = window->cloud.fill();
       WindowEngine& engine = *window->reconstruct;
 
+      cloud.cleaned = engine.reconstruct(cloud);
+      cloud_latency_.add(Clock::now() - cloud.newest.host_time);
+
       // Check the frames once per cycle.
       if (engine.is_due(cloud)) {
         std::vector<Finding> findings = engine.look(cloud);
@@ -319,12 +322,9 @@ class LiveRun {
         findings_.replace(std::move(findings), cloud.newest.sequence);
       }
 
-      cloud.cleaned = engine.reconstruct(cloud);
-      cloud_latency_.add(Clock::now() - cloud.newest.host_time);
-
       // With two cameras, clouds come from the matcher, so the engine's fallback does not matter.
       std::string backend = engine.used->backend_for(engine.views);
-      std::string failure = engine.match ? "" : engine.used->fallback_reason();
+      std::string failure = engine.match || engine.fuse ? "" : engine.used->fallback_reason();
       {
         const std::lock_guard lock(mutex_);
         backend_ = std::move(backend);

@@ -8,8 +8,13 @@
 #include <optional>
 #include <vector>
 
+#include "base/throw_if-inl.h"
 #include "decode/frame_adapter.h"
+#include "frames/copied_frames.h"
 #include "frames/pattern_windows.h"
+#include "merge/fused_model.h"
+#include "reconstruct/camera_pair.h"
+#include "scan_job/fused_cameras.h"
 
 namespace slipstream {
 namespace {
@@ -129,8 +134,19 @@ WindowEngine::WindowEngine(const EngineSetup& setup, const LiveSettings& setting
   engines.emplace_back(paired ? of_one_camera(setup) : setup);
   if (!check) check = live_check(engines.front().setup());
 
-  // The pair is matched by one PhaseMatcher; its first camera's engine serves the checks.
+  // The pair is matched by one PhaseMatcher, or fused as a finished scan; its first camera's engine
+  // serves the checks.
+  if (paired && settings.fuse) {
+    throw_if(setup.sequence.motion > 0,
+             "two cameras are fused live from the frames of one cycle; set `motion 0`");
+    require_pair(setup.scanner, *settings.second_camera, {});
+    fuse.emplace(
+        ScanJobSettings{.reconstruct = setup.settings, .keep_refused = true, .fuse = true});
+    second = settings.second_camera;
+    return;
+  }
   if (paired) {
+    throw_if(rejects_reflection(setup.settings.clean), no_reflection_of_pairs);
     match.emplace(setup.scanner, *settings.second_camera, setup.sequence, setup.settings);
     return;
   }
@@ -157,6 +173,7 @@ ValidityCounts WindowEngine::reconstruct(LiveCloud& window) {
 
 ValidityCounts WindowEngine::reconstruct_points(LiveCloud& window) {
   if (match) return match_cameras(window);
+  if (fuse) return fuse_cameras(window);
 
   used = &engines[static_cast<std::size_t>(window.first_pattern)];
 
@@ -198,6 +215,36 @@ ValidityCounts WindowEngine::match_cameras(LiveCloud& window) {
   return matched.cleaned;
 }
 
+ValidityCounts WindowEngine::fuse_cameras(LiveCloud& window) {
+  used = &engines.front();
+  view_window(window.frames, views);
+  view_second(window.frames, second_views);
+  window.fused.reset();
+  window.cloud = Cloud(views.size());
+  not_fused.clear();
+  if (second_views.size().width == 0) return {};  // no picture has come yet
+
+  // 1. The window as a scan.
+  const auto scan_of = [&](const FrameViews& frames, const Scanner& scanner) {
+    return merged({.frames = copied(frames), .sequence = whole.sequence, .scanner = scanner});
+  };
+  Scan scan = scan_of(views, whole.scanner);
+  scan.further_cameras.push_back(scan_of(second_views, *second));
+
+  // 2. Its points; a camera that is covered for a while does not end the run.
+  try {
+    ScanResult result = (*fuse)(std::move(scan));
+    window.fused = result.fused;
+    window.fused_points = model_points(*result.fused).cloud;
+    window.cloud = std::move(result.cloud);
+    std::fill_n(result.counts.begin(), static_cast<int>(Validity::low_trust), 0);
+    return result.counts;
+  } catch (const Error& error) {
+    not_fused = error.what();
+    return {};
+  }
+}
+
 bool WindowEngine::is_due(const LiveCloud& window) const {
   const std::uint64_t newest = window.newest.sequence, cycle = window.frames.size();
   if (window.first_pattern != 0) return false;   // the check takes frames in pattern order
@@ -212,7 +259,7 @@ bool WindowEngine::is_due(const LiveCloud& window) const {
 std::vector<Finding> WindowEngine::look(const LiveCloud& window) {
   looked = window.newest.sequence;
   view_window(window.frames, views);
-  if (!match) return check(engines.front().merged(views));
+  if (!match && !fuse) return check(engines.front().merged(views));
 
   // Check the first camera by itself, then the agreement between both cameras.
   const int count = frame_count(engines.front().setup().sequence);
@@ -220,6 +267,9 @@ std::vector<Finding> WindowEngine::look(const LiveCloud& window) {
 
   if (matched.agreement && matched.agreement->phase_shift != 0)
     findings.push_back(wrong_origin(whole.sequence.strategy, matched.agreement->phase_shift));
+  if (!not_fused.empty()) {
+    findings.push_back({.kind = FindingKind::few_points, .what = not_fused});
+  }
 
   return findings;
 }

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "check/fit.h"
@@ -13,6 +14,7 @@
 #include "slipstream/check.h"
 #include "slipstream/engine.h"
 #include "slipstream/live_pipeline.h"
+#include "slipstream/scan_job.h"
 
 namespace slipstream {
 
@@ -66,6 +68,7 @@ struct WindowEngine {
   std::vector<Finding> look(const LiveCloud& window);
   /// The same as reconstruct, with a second camera.
   ValidityCounts match_cameras(LiveCloud& window);
+  ValidityCounts fuse_cameras(LiveCloud& window);
   [[nodiscard]] const EngineSetup& setup() const { return whole; }
 
   EngineSetup whole;
@@ -77,6 +80,9 @@ struct WindowEngine {
   FrameViews views, second_views;
   std::optional<PhaseMatcher> match;  ///< with a second camera
   PhaseMatcher::Result matched;       ///< its newest result, without the cloud
+  std::optional<ScanJob> fuse;        ///< with a second camera, instead of `match`
+  std::optional<Scanner> second;      ///< with `fuse`: this camera
+  std::string not_fused;              ///< why the newest window was not; empty if it was
   std::function<std::vector<Finding>(const FrameViews&)> check;
   Image<Colour> colour;                 ///< of the points; empty if unknown
   std::optional<std::uint64_t> looked;  ///< sequence number of the newest frame checked

@@ -71,7 +71,7 @@ class TcpSink final : public ServingSink<Controller> {
     // Controllers that wait for the same cloud share its copy.
     if (!taken_ || taken_->newest.host_time != cloud->newest.host_time) {
       taken_ = std::make_shared<const TakenScan>(
-          TakenScan{cloud->newest, count_by_validity(cloud->cloud), cloud->cloud});
+          TakenScan{cloud->newest, count_by_validity(cloud->points()), cloud->points()});
     }
     return taken_;
   }

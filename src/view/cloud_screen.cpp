@@ -289,7 +289,8 @@ const Uncertainty* CloudScreen::uncertainty() {
   // Computed only for a cloud that stays, since it takes long.
   const bool stands_still = !source_.statistics || state_.paused;
   const bool noise_known = engine_ && engine_->setup().scanner.photometry.noise_variance;
-  if (!uncertainty_ && stands_still && noise_known) {
+  const bool is_of_frames = cloud_.cloud->size() == cloud_.frames.size();
+  if (!uncertainty_ && stands_still && noise_known && is_of_frames) {
     const Maps* const maps = maps_of(cloud_.frames);
     if (maps != nullptr) uncertainty_ = engine_->uncertainty(*cloud_.cloud, *maps, cloud_.frames);
   }

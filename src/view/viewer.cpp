@@ -51,7 +51,7 @@ ShownCloud shown_cloud(const Pooled<LiveCloud>& cloud) {
   if (!cloud) return {};
 
   const auto share = std::make_shared<const Pooled<LiveCloud>>(cloud);
-  return {.cloud = {share, &cloud->cloud},
+  return {.cloud = {share, &cloud->points()},
           .frames = views_of(cloud->frames),
           .sequence = cloud->sequence,
           .captured = cloud->newest.host_time};

@@ -61,6 +61,47 @@ TEST_F(TwoCamerasProgram, LiveGivesTheCloudOfReconstruct) {
   }
 }
 
+TEST_F(TwoCamerasProgram, LiveFusesToTheCloudOfReconstruct) {
+  for (const std::vector<std::string>& patterns :
+       {std::vector<std::string>{"--strategy", "dual-frequency"},
+        std::vector<std::string>{"--strategy", "pcmp", "--steps", "5"},
+        std::vector<std::string>{"--strategy", "pmp", "--steps", "4", "--frequency", "16"}}) {
+    const std::string folder = scan(patterns), what = fmt::format("{}", fmt::join(patterns, " "));
+    const auto fused = json_of({"reconstruct", folder, "--fuse", "-o", path("scan.ply")});
+    const auto live =
+        json_of({"live", "--source", "replay:" + folder, "--second-camera",
+                 "replay:" + folder + "/second", "--fuse", "--headless", "-o", path("live.ply")});
+    EXPECT_GT(fused["scans"][0]["points"], 5000) << what;
+    EXPECT_EQ(live["cleaned"]["valid"], fused["scans"][0]["points"]) << what;
+    EXPECT_EQ(read_file(path("live.ply")), read_file(path("scan.ply"))) << what;
+  }
+}
+
+TEST_F(TwoCamerasProgram, LiveTellsWhyItDoesNotFuse) {
+  const std::string folder = scan({"--strategy", "dual-frequency"});
+  const ProgramRun run = run_program({"live", "--source", "replay:" + folder, "--second-camera",
+                                      "replay:" + folder + "/second", "--fuse", "--nearest", "1",
+                                      "--farthest", "2", "--headless", "-o", path("live.ply")});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(run.err.find("camera 1 measures only 0 points"), std::string::npos) << run.err;
+  EXPECT_FALSE(fs::exists(path("live.ply")));
+}
+
+TEST_F(TwoCamerasProgram, MatchedCamerasRefuseReflection) {
+  const std::string folder = scan({"--strategy", "dual-frequency"});
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"reconstruct", folder, "-o", path("scan.ply")},
+        std::vector<std::string>{"live", "--source", "replay:" + folder, "--second-camera",
+                                 "replay:" + folder + "/second", "--headless"}}) {
+    std::vector<std::string> asked = arguments;
+    asked.insert(asked.end(), {"--reflection", "3"});
+    const ProgramRun run = run_program(asked);
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_NE(run.err.find("--reflection and --local-reflection need"), std::string::npos)
+        << run.err;
+  }
+}
+
 TEST_F(TwoCamerasProgram, TheLibraryGivesTheCloudOfReconstruct) {
   for (const std::vector<std::string>& patterns :
        {std::vector<std::string>{"--strategy", "dual-frequency"},

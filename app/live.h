@@ -15,7 +15,7 @@ namespace slipstream::app {
 struct LiveFlags {
   SourceFlags source;
   std::optional<int> monitor;  ///< shows the patterns, in step with the camera
-  bool no_guard = false;       ///< do not compare rig and scanner before the run
+  bool no_guard = false;       ///< do not compare rig and scanner
   LiveSettings live;           ///< its flags
   std::optional<double> duration;
   bool headless = false;

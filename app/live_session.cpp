@@ -68,11 +68,12 @@ void expose_for_whole_refreshes(const MonitorProjector& projector, FrameSource& 
 
 /// Puts the camera in step with the patterns on a monitor: from here on it delivers one frame per
 /// pattern shown.
-const SteppedSource& step_with(const MonitorProjector& projector, bool triggered,
-                               NamedSource& opened) {
-  auto stepped = std::make_unique<SteppedSource>(*projector.sink, std::move(opened.frames),
-                                                 pictures_to_show(opened.sequence), triggered);
-  const SteppedSource& source = *stepped;
+SteppedSource& step_with(const MonitorProjector& projector, bool triggered,
+                         const std::vector<Image<std::uint8_t>>& guard, NamedSource& opened) {
+  auto stepped =
+      std::make_unique<SteppedSource>(*projector.sink, std::move(opened.frames),
+                                      pictures_to_show(opened.sequence), triggered, guard);
+  SteppedSource& source = *stepped;
   opened.frames = std::move(stepped);
   return source;
 }
@@ -114,9 +115,9 @@ Scanner add_second_camera(const LiveFlags& flags, SourceRequest request, NamedSo
 
   Scanner scanner = completed(*second.scanner, second.scanner_name, second.frames->format().size,
                               second.sequence.projector);
-  opened.frames =
   auto& response = scanner.photometry.response;
   response = choose_gamma(flags.gamma, response).response;
+  opened.frames =
       std::make_unique<PairedSource>(std::move(opened.frames), std::move(second.frames));
   return scanner;
 }
@@ -195,8 +196,11 @@ LiveSession::LiveSession(LiveFlags flags, Output& output)
   if (flags_.monitor) {
     const bool triggered = request.camera.trigger == "Software";
     expose_for_whole_refreshes(projector_, *opened.frames, output_);
-    if (!flags_.no_guard) check_rig(projector_, triggered, setup_, opened, output_);
-    stepped_ = &step_with(projector_, triggered, opened);
+
+    std::vector<Image<std::uint8_t>> guard;
+    if (!flags_.no_guard && !has_two_cameras()) guard = guard_pictures(setup_, opened);
+    stepped_ = &step_with(projector_, triggered, guard, opened);
+    if (stepped_->has_guard()) rig_.emplace(*stepped_, output_);
   }
 
   // 5. Recording: the pipeline reads frames through it, whether or not they are written.
@@ -227,7 +231,14 @@ void LiveSession::start() {
   if (stepped_ != nullptr) tell_steps(*stepped_, output_);
 }
 
+void LiveSession::stop() {
+  pipeline_->stop();
+  publisher_.finish();
+  if (rig_) rig_->finish(setup());
+}
+
 void LiveSession::tell_news() {
+  if (rig_) rig_->look(setup());
   publisher_.tell([&](const std::string& line) { output_.say("{}", line); },
                   [&](const std::string& line) { output_.warn(line); });
 }
@@ -279,6 +290,11 @@ view::ViewSource LiveSession::view_source() {
     const auto recording = source_->recording();
     return recording ? text_of(*recording) : std::string();
   };
+
+  if (rig_) {
+    source.check_rig = [this] { change("guard", "on"); };
+    source.rig = [this] { return rig_->state(); };
+  }
 
   source.best_exposure = [](const view::ShownCloud& cloud, double exposure) {
     Sequence sequence = *cloud.sequence;

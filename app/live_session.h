@@ -6,11 +6,13 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "app/live.h"
 #include "app/monitor_projector.h"
+#include "app/rig_guard.h"
 #include "frames/stepped_source.h"
 #include "io/file_names.h"
 #include "io/recorder.h"
@@ -35,13 +37,10 @@ class LiveSession {
   /// Empty without one from the start.
   [[nodiscard]] const std::string& recording_file() const { return recording_file_; }
   /// Ends the pipeline and the sinks.
-  void stop() {
-    pipeline_->stop();
-    publisher_.finish();
-  }
+  void stop();
   /// Throws WorldError if the recording has failed.
   void finish_recording() { source_->finish_recording(); }
-  /// Prints news and warnings of the sinks.
+  /// Prints news and warnings of the sinks, and what a guard shows.
   void tell_news();
   [[nodiscard]] bool projector_closed() const { return projector_.closed(); }
   /// The session as a source of clouds; borrows it. In builds with SLIPSTREAM_VIEW.
@@ -83,8 +82,9 @@ class LiveSession {
   std::list<NewFile> new_files_;  ///< outlive their writers
   std::string recording_file_;
   MonitorProjector projector_;
-  const SteppedSource* stepped_ = nullptr;  ///< in step with the projector; null without one
-  RecordedSource* source_ = nullptr;        ///< owned by the pipeline
+  SteppedSource* stepped_ = nullptr;  ///< in step with the projector; null without one
+  RecordedSource* source_ = nullptr;  ///< owned by the pipeline
+  std::optional<RigWatch> rig_;       ///< nullopt if no guards are taken
 
   /// Frames come from a projector, not from a rendered or recorded scan.
   const bool patterns_can_change_ = is_camera(flags_.source) && !flags_.monitor;

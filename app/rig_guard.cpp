@@ -1,6 +1,7 @@
 #include "app/rig_guard.h"
 
 #include <chrono>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -13,24 +14,29 @@
 namespace slipstream::app {
 namespace {
 
-/// The frames of a scan and of its guard; empty if the scene does not stand still.
-std::vector<FrameSet> taken_with_guard(const MonitorProjector& projector, bool triggered,
-                                       FrameSource& camera, const Sequence& scan) {
-  using Clock = std::chrono::steady_clock;
-  constexpr std::chrono::seconds patience(4);
-  constexpr std::chrono::milliseconds longest_look(200);
+constexpr const char* no_guard =
+    "no guard, as the scene did not stand still: a camera or projector that moved since "
+    "calibration "
+    "would not show";
 
-  ShownScans scans(*projector.sink, camera,
-                   {pictures_to_show(scan), pictures_to_show(guard_sequence(scan))},
-                   {.triggered = triggered});
+/// One cycle of the patterns, without what belongs to a run.
+Sequence scan_of(Sequence sequence) {
+  sequence.motion = 0;
+  return sequence;
+}
 
-  const Clock::time_point end = Clock::now() + patience;
-  while (Clock::now() < end && !projector.closed()) {
-    const std::optional<Glimpse> glimpse = scans.look(longest_look);
-    if (!glimpse || !glimpse->still) continue;
-    if (auto frames = scans.take()) return *std::move(frames);
-  }
-  return {};
+/// Compares the frames of a cycle with its guard. Frames that do not fit their patterns do not show
+/// the rig; the run itself reports them.
+GuardResult compared(GuardedCycle taken, const EngineSetup& setup) {
+  Scan scan{.frames = std::move(taken.cycle),
+            .sequence = scan_of(setup.sequence),
+            .scanner = setup.scanner};
+  scan = merged(std::move(scan));
+  if (any_wrong(check_and_repair(scan).findings)) return {};
+
+  scan.guard.push_back(
+      merged({.frames = std::move(taken.guard), .sequence = guard_sequence(scan.sequence)}));
+  return compare_with_guard(scan, setup.settings);
 }
 
 }  // namespace
@@ -47,44 +53,69 @@ GuardResult compared_with_guard(const Scan& scan, const ReconstructSettings& set
   }
 }
 
-void check_rig(const MonitorProjector& projector, bool triggered, const EngineSetup& setup,
-               const NamedSource& opened, Output& output) {
-  // 1. One cycle of the patterns, without what belongs to a run.
-  Scan scan{.sequence = setup.sequence, .scanner = setup.scanner};
-  scan.sequence.motion = 0;
-  scan.sequence.marker = false;
-  const bool is_possible = has_geometry(setup.scanner) && !opened.in_colour &&
-                           can_be_guarded(scan.sequence) && has_coordinate(scan.sequence.strategy);
-  if (!is_possible) return;
+std::vector<Image<std::uint8_t>> guard_pictures(const EngineSetup& setup,
+                                                const NamedSource& opened) {
+  const Sequence scan = scan_of(setup.sequence);
+  const bool is_possible = has_geometry(setup.scanner) && !opened.in_colour && !scan.marker &&
+                           can_be_guarded(scan) && has_coordinate(scan.strategy);
+  if (!is_possible) return {};
+  return pictures_to_show(guard_sequence(scan));
+}
 
-  // 2. The frames of the scan and of its guard.
-  std::vector<FrameSet> taken;
-  opened.frames->start();
-  try {
-    taken = taken_with_guard(projector, triggered, *opened.frames, scan.sequence);
-  } catch (...) {
-    opened.frames->stop();
-    throw;
-  }
-  opened.frames->stop();
+void RigWatch::look(const EngineSetup& setup) {
+  using std::chrono::seconds;
 
-  if (taken.empty()) {
-    output.say(
-        "no guard, as the scene does not stand still: a camera or projector that moved since "
-        "calibration would not show");
-    return;
+  // 1. The result of a comparison.
+  if (comparing_.valid()) {
+    if (comparing_.wait_for(seconds(0)) != std::future_status::ready) return;
+    try {
+      tell(comparing_.get());
+    } catch (const Error& error) {
+      set_state(fmt::format("the guard is not compared: {}", error.what()));
+      output_.warn(state());
+    }
   }
 
-  // 3. Frames that do not fit their patterns do not show the rig; the run itself reports them.
-  scan.frames = std::move(taken.front());
-  scan = merged(std::move(scan));
-  if (any_wrong(check_and_repair(scan).findings)) return;
-  scan.guard.push_back(
-      merged({.frames = std::move(taken.back()), .sequence = guard_sequence(scan.sequence)}));
+  // 2. A guard that has come.
+  std::optional<GuardedCycle> taken = source_.take_guard();
+  if (!taken) return;
+  if (taken->cycle.size() == Size{}) {
+    set_state(no_guard);
+    return output_.say("{}", no_guard);
+  }
 
-  const GuardResult result = compared_with_guard(scan, setup.settings, output);
-  output.document["guard"] = as_json(result.epipolar);
-  for (const Finding& finding : result.findings) output.warn(text_of(finding));
+  comparing_ = std::async(std::launch::async, [frames = *std::move(taken), setup]() mutable {
+    return compared(std::move(frames), setup);
+  });
+}
+
+void RigWatch::finish(const EngineSetup& setup) {
+  look(setup);
+  if (comparing_.valid()) comparing_.wait();
+  look(setup);
+  if (state().empty()) output_.say("no guard: the run was too short");
+}
+
+std::string RigWatch::state() const {
+  const std::lock_guard lock(mutex_);
+  return state_;
+}
+
+void RigWatch::set_state(std::string state) {
+  const std::lock_guard lock(mutex_);
+  state_ = std::move(state);
+}
+
+void RigWatch::tell(const GuardResult& result) {
+  output_.document["guard"] = as_json(result.epipolar);
+  if (!result.epipolar) return set_state("the guard is not compared: see the findings");
+
+  set_state("the rig stands as calibrated");
+  tell_guard(*result.epipolar, "", output_);
+  for (const Finding& finding : result.findings) {
+    set_state(with_flags(text_of(finding)));
+    output_.warn(state());
+  }
 }
 
 }  // namespace slipstream::app

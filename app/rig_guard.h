@@ -1,8 +1,13 @@
 #pragma once
 
-#include <optional>
+#include <cstdint>
+#include <future>
+#include <mutex>
+#include <string>
+#include <vector>
 
-#include "app/monitor_projector.h"
+#include "app/output.h"
+#include "frames/stepped_source.h"
 #include "slipstream/named_source.h"
 #include "slipstream/scan_job.h"
 
@@ -13,10 +18,37 @@ namespace slipstream::app {
 GuardResult compared_with_guard(const Scan& scan, const ReconstructSettings& settings,
                                 Output& output);
 
-/// Before `live` shows patterns on a monitor: takes one scan and its guard, if these patterns can
-/// have one, and warns of a rig that has moved since its calibration. Says so if nothing is
-/// compared, because the scene does not stand still. `opened`: not started, and stopped again.
-void check_rig(const MonitorProjector& projector, bool triggered, const EngineSetup& setup,
-               const NamedSource& opened, Output& output);
+/// The patterns of the guard that `live` takes beside these; empty if they can have none.
+std::vector<Image<std::uint8_t>> guard_pictures(const EngineSetup& setup,
+                                                const NamedSource& opened);
+
+/// Compares the rig with its calibration while a session runs, by the guards of its source.
+class RigWatch {
+ public:
+  /// `source`: it takes guards; it and `output` must outlive this.
+  RigWatch(SteppedSource& source, Output& output) : source_(source), output_(output) {}
+
+  // Main thread:
+  /// Prints the result of a comparison, and begins one if a guard has come.
+  void look(const EngineSetup& setup);
+  /// Waits for the comparison; says so if no guard has been taken.
+  void finish(const EngineSetup& setup);
+
+  // Any thread:
+  void want(bool wanted) { source_.want_guard(wanted); }
+  [[nodiscard]] bool wants() const { return source_.wants_guard(); }
+  /// What the newest guard shows, in a line; empty before the first.
+  [[nodiscard]] std::string state() const;
+
+ private:
+  void tell(const GuardResult& result);
+  void set_state(std::string state);
+
+  SteppedSource& source_;
+  Output& output_;
+  std::future<GuardResult> comparing_;
+  mutable std::mutex mutex_;  ///< guards the state
+  std::string state_;
+};
 
 }  // namespace slipstream::app

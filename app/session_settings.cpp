@@ -142,6 +142,11 @@ std::vector<RunSetting> LiveSession::settings() const {
   const auto recording = source_->recording();
   all.push_back(off_or_on("record", "record all frames into a new file", recording.has_value()));
   if (recording) all.back().state = text_of(*recording);
+
+  if (rig_) {
+    all.push_back(off_or_on("guard", "compare the rig with its calibration now", rig_->wants()));
+    all.back().state = rig_->state();
+  }
   return all;
 }
 
@@ -157,7 +162,9 @@ void LiveSession::change(const std::string& setting, const std::string& value) {
     return;
   }
 
-  // 2. Recording on or off.
+  // 2. A guard, and recording on or off.
+  if (name == "guard") return rig_->want(value == "on");
+
   const std::lock_guard lock(mutex_);
   if (name == "record") return set_recording(*source_, flags_.view.save_to, value == "on");
 

@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "frames/scan_camera.h"
 #include "slipstream/error.h"
 
 namespace slipstream {
@@ -20,6 +21,11 @@ using std::chrono::nanoseconds;
 constexpr int flashes = 12;
 /// No projector and camera are slower together.
 constexpr milliseconds slowest{3000};
+
+/// The rig may have been touched while no frame came for so long.
+constexpr std::chrono::seconds long_pause{5};
+/// Of a guard, in a scene that does not stand still.
+constexpr int most_tries = 4;
 
 /// Mean grey level, of 255.
 double mean_level(const Frame& frame) {
@@ -34,13 +40,16 @@ double mean_level(const Frame& frame) {
 }  // namespace
 
 SteppedSource::SteppedSource(PatternSink& sink, std::unique_ptr<FrameSource> camera,
-                             std::vector<Image<std::uint8_t>> patterns, bool triggered)
+                             const std::vector<Image<std::uint8_t>>& patterns, bool triggered,
+                             const std::vector<Image<std::uint8_t>>& guard)
     : SourceOver(std::move(camera)),
       sink_(sink),
-      patterns_(std::move(patterns)),
-      cycle_(patterns_.size()),
+      patterns_(patterns),
+      cycle_(patterns.size()),
+      guard_(guard.size()),
       triggered_(triggered),
       frame_(source_->format()) {
+  patterns_.insert(patterns_.end(), guard.begin(), guard.end());
   require_patterns(patterns_, sink.size(), "the projector");
 }
 
@@ -48,8 +57,13 @@ void SteppedSource::start() {
   stop();
 
   // A failure before the stop, and the patterns shown then, are over.
-  failure_ = nullptr;
-  shown_.clear();
+  came_.reset();
+  {
+    const std::lock_guard lock(mutex_);
+    failure_ = nullptr;
+    shown_.clear();
+    if (has_guard()) plan_guard(1);
+  }
 
   source_->start();
   if (delay_.ends == nanoseconds{}) measure_delay();
@@ -179,15 +193,81 @@ void SteppedSource::measure_delay() {
   delay_.ends = std::max(delay_.ends, delay_.begins) + margin;
 }
 
-void SteppedSource::show(std::uint64_t sequence) {
+bool SteppedSource::wants_guard() const {
+  const std::lock_guard lock(mutex_);
+  return wanted_.has_value();
+}
+
+void SteppedSource::want_guard(bool wanted) {
+  const std::lock_guard lock(mutex_);
+  if (!wanted) {
+    wanted_.reset();
+  } else if (has_guard() && !wanted_) {
+    plan_guard(1);
+  }
+}
+
+std::optional<GuardedCycle> SteppedSource::take_guard() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(guarded_, std::nullopt);
+}
+
+void SteppedSource::plan_guard(int tries) {
+  // After one whole cycle from now on.
+  const std::uint64_t begun = (next_ + cycle_ - 1) / cycle_;
+  wanted_ = WantedGuard{.at = (begun + 1) * cycle_, .tries = tries};
+}
+
+void SteppedSource::keep_for_guard(const Frame& frame, const Shown& shown) {
+  if (!wanted_) return;
+  WantedGuard& wanted = *wanted_;
+  const std::uint64_t sequence = shown.sequence;
+
+  if (shown.in_guard) {
+    wanted.guard.push_back(frame);
+  } else if (sequence + cycle_ >= wanted.at && sequence < wanted.at) {
+    wanted.before.push_back(frame);
+  } else if (sequence >= wanted.at && sequence < wanted.at + cycle_) {
+    wanted.after.push_back(frame);
+  }
+  if (!shown.in_guard && sequence + 1 >= wanted.at + cycle_) end_guard();
+}
+
+void SteppedSource::end_guard() {
+  const WantedGuard done = *std::exchange(wanted_, std::nullopt);
+  const bool is_whole =
+      done.before.size() == cycle_ && done.guard.size() == guard_ && done.after.size() == cycle_;
+
+  // Whatever moved between the cycle and its guard would look like a rig that has moved.
+  if (is_whole) {
+    FrameSet before = frame_set_of(done.before);
+    if (is_still(before, frame_set_of(done.after))) {
+      guarded_ = {.cycle = std::move(before), .guard = frame_set_of(done.guard)};
+      return;
+    }
+  }
+
+  if (done.tries < most_tries) return plan_guard(done.tries + 1);
+  guarded_.emplace();
+}
+
+void SteppedSource::show_next() {
   const std::lock_guard lock(mutex_);  // also until it is known when
-  sink_.show(sequence % cycle_);
-  shown_.push_back({sequence, Clock::now()});
+
+  if (wanted_ && next_ == wanted_->at && wanted_->shown < guard_) {
+    const std::size_t pattern = wanted_->shown++;
+    sink_.show(cycle_ + pattern);
+    shown_.push_back({pattern, true, Clock::now()});
+    return;
+  }
+
+  sink_.show(next_ % cycle_);
+  shown_.push_back({next_++, false, Clock::now()});
 }
 
 void SteppedSource::run() try {
   while (!is_ending_) {
-    show(next_++);
+    show_next();
     std::this_thread::sleep_for(hold());
   }
 } catch (...) {
@@ -197,7 +277,7 @@ void SteppedSource::run() try {
 
 Arrival SteppedSource::next(Frame& frame, milliseconds timeout) {
   if (triggered_) {
-    show(next_++);
+    show_next();
     std::this_thread::sleep_for(delay_.ends);
   }
 
@@ -208,15 +288,22 @@ Arrival SteppedSource::next(Frame& frame, milliseconds timeout) {
 
     // Patterns that were replaced before this frame began to see the next are missed.
     while (shown_.size() > 1 && shown_[1].time + delay_.begins <= *time) {
+      if (!shown_.front().in_guard) ++missed_;
       shown_.pop_front();
-      ++missed_;
     }
 
     // The frame shows one pattern alone once all light of the one before is gone.
     if (!shown_.empty() && shown_.front().time + delay_.ends <= *time) {
-      frame.stamp.sequence = shown_.front().sequence;
-      frame.stamp.pattern_index = static_cast<int>(shown_.front().sequence % cycle_);
+      const Shown shown = shown_.front();
       shown_.pop_front();
+      keep_for_guard(frame, shown);
+
+      const auto before = std::exchange(came_, *time);
+      if (has_guard() && before && *time > *before + long_pause && !wanted_) plan_guard(1);
+      if (shown.in_guard) return Arrival::nothing;
+
+      frame.stamp.sequence = shown.sequence;
+      frame.stamp.pattern_index = static_cast<int>(shown.sequence % cycle_);
       ++taken_;
       return Arrival::frame;
     }

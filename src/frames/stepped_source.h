@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "slipstream/frame_set.h"
 #include "slipstream/frame_source.h"
 
 namespace slipstream {
@@ -24,15 +25,25 @@ struct LightDelay {
   std::chrono::nanoseconds period{};  ///< between frames
 };
 
+/// Frames of one cycle and of the guard shown just after it, in pattern order.
+struct GuardedCycle {
+  FrameSet cycle, guard;  ///< both empty if the scene did not stand still
+};
+
 /// A camera in step with a projector that this program drives: shows a cycle of patterns in a loop,
 /// and returns one frame of each that contains no other pattern, with its
 /// FrameStamp::pattern_index. A pattern without such a frame counts as a lost frame.
+///
+/// Between two cycles it can show a guard: other patterns, whose frames next() does not return. It
+/// takes one after each start(), and when frames come again after a pause of seconds.
 class SteppedSource : public SourceOver {
  public:
   /// `patterns`: of one cycle. `triggered`: whether to use FrameSource::trigger; otherwise the
   /// camera runs freely. `sink` must outlive this; it is used from another thread meanwhile.
+  /// `guard`: the patterns of a guard; none is taken if it is empty.
   SteppedSource(PatternSink& sink, std::unique_ptr<FrameSource> camera,
-                std::vector<Image<std::uint8_t>> patterns, bool triggered);
+                const std::vector<Image<std::uint8_t>>& patterns, bool triggered,
+                const std::vector<Image<std::uint8_t>>& guard = {});
   ~SteppedSource() override { stop(); }
 
   [[nodiscard]] FrameFormat format() const override { return source_->format(); }
@@ -50,14 +61,30 @@ class SteppedSource : public SourceOver {
     return delay_.ends - delay_.begins + delay_.period;
   }
 
+  [[nodiscard]] bool has_guard() const { return guard_ > 0; }
+  /// Whether a guard is to be taken, which needs three cycles. Any thread.
+  [[nodiscard]] bool wants_guard() const;
+  void want_guard(bool wanted);
+  /// The newest guard, which is returned once. Any thread.
+  std::optional<GuardedCycle> take_guard();
+
  private:
   using Clock = std::chrono::steady_clock;
   using nanoseconds = std::chrono::nanoseconds;
 
   /// A pattern and when it was shown.
   struct Shown {
-    std::uint64_t sequence = 0;
+    std::uint64_t sequence = 0;  ///< of the cycles' patterns; in a guard, its pattern
+    bool in_guard = false;
     Clock::time_point time;
+  };
+
+  /// A guard that is to be taken, with the cycles before and after it.
+  struct WantedGuard {
+    std::uint64_t at = 0;   ///< sequence number of the pattern that follows it
+    std::size_t shown = 0;  ///< its patterns that were shown
+    int tries = 1;
+    std::vector<Frame> before{}, guard{}, after{};
   };
 
   /// When the frame would have arrived without delays of this machine, by the camera's clock.
@@ -67,22 +94,31 @@ class SteppedSource : public SourceOver {
   void measure_delay();
   /// Shows a pattern of measure_delay and narrows the delay down by the frames that follow.
   void flash(std::size_t pattern);
-  void show(std::uint64_t sequence);
+  /// Shows the next pattern, of the cycle or of a guard that is due.
+  void show_next();
+  /// The caller holds `mutex_`, here and in the next two.
+  void plan_guard(int tries);
+  /// Copies a frame that belongs to a wanted guard, and ends that guard with its last frame.
+  void keep_for_guard(const Frame& frame, const Shown& shown);
+  void end_guard();
   /// Shows patterns to a camera that runs freely.
   void run();
 
   PatternSink& sink_;
-  std::vector<Image<std::uint8_t>> patterns_;
-  const std::size_t cycle_;
+  std::vector<Image<std::uint8_t>> patterns_;  ///< of the cycle, then of the guard
+  const std::size_t cycle_, guard_;            ///< numbers of both
   const bool triggered_;
   LightDelay delay_;
   nanoseconds clock_offset_{};     ///< host time of a frame minus the camera's
   double light_ = 0, change_ = 0;  ///< mean grey levels, of 255
   Frame frame_;
-  std::mutex mutex_;         ///< guards sink_ while patterns are shown, and the next two
-  std::deque<Shown> shown_;  ///< without a frame yet
+  std::optional<Clock::time_point> came_;  ///< the newest frame
+  mutable std::mutex mutex_;  ///< guards sink_ while patterns are shown, and the next five
+  std::deque<Shown> shown_;   ///< without a frame yet
   std::exception_ptr failure_;
   std::uint64_t next_ = 0;  ///< sequence number of the next pattern
+  std::optional<WantedGuard> wanted_;
+  std::optional<GuardedCycle> guarded_;
   std::atomic<std::uint64_t> taken_ = 0, missed_ = 0;
   std::atomic<bool> is_ending_ = false;
   std::thread thread_;

@@ -325,6 +325,7 @@ void CloudScreen::take_key(int key, PanelRequests& requests) {
     requests.file = {FileQuestion::open, state_.path.data()};
   }
   if (key == GLFW_KEY_R && source_.record) requests.toggle_recording ^= true;
+  if (key == GLFW_KEY_G && source_.check_rig) requests.check_rig = true;
 
   if (key >= GLFW_KEY_1 && key <= GLFW_KEY_3) {
     state_.view.colour = static_cast<PointColour>(key - GLFW_KEY_1);
@@ -368,6 +369,7 @@ void CloudScreen::answer(const PanelRequests& requests) {
   if (requests.toggle_recording) {
     attempt([&] { source_.record(!source_.recording || source_.recording().empty()); });
   }
+  if (requests.check_rig) attempt(source_.check_rig);
 }
 
 bool CloudScreen::attempt(const std::function<void()>& action) try {

@@ -11,7 +11,7 @@ namespace slipstream::view {
 namespace {
 
 /// The mouse, and keys that the menus name only in some windows or not at all.
-constexpr std::array<std::pair<const char*, const char*>, 10> mouse_and_keys{{
+constexpr std::array<std::pair<const char*, const char*>, 11> mouse_and_keys{{
     {"drag", "rotate"},
     {"right drag, Shift and drag", "move"},
     {"wheel", "zoom"},
@@ -20,6 +20,7 @@ constexpr std::array<std::pair<const char*, const char*>, 10> mouse_and_keys{{
     {"Space", "pause; play a recording"},
     {"Left, Right", "step through a recording"},
     {"S, R", "save the scan, record"},
+    {"G", "live on a monitor: compare the rig with its calibration"},
     {"L, C, E", "studio: live, calibrate, best exposure"},
     {"Esc, Enter", "close"},
 }};

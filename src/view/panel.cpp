@@ -303,7 +303,7 @@ void draw_actions(PanelState& state, PanelRequests& requests, const ViewSource& 
 }
 
 /// The state of the source, and its calibration.
-void draw_source(const PanelState& state, const ViewSource& source) {
+void draw_source(const PanelState& state, PanelRequests& requests, const ViewSource& source) {
   if (source.statistics && state.pixels != 0) {
     say(state.paused ? doubtful : good, "{}", state.paused ? "paused; capture goes on" : "live");
   }
@@ -314,6 +314,12 @@ void draw_source(const PanelState& state, const ViewSource& source) {
     say(doubtful, "not calibrated: pictures only");
   } else if (!scanner.measured.empty()) {
     say(quiet, "calibrated: {}", scanner.measured);
+  }
+
+  if (source.check_rig) {
+    requests.check_rig |= ImGui::Button("Compare rig (G)");
+    const std::string rig = source.rig ? source.rig() : std::string();
+    if (!rig.empty()) say(white, "{}", rig);
   }
 }
 
@@ -406,7 +412,7 @@ void draw_panel(PanelState& state, PanelRequests& requests, const ViewSource& so
 
     // Actions and problems first, since they must be seen without scrolling.
     draw_steps(requests, source);
-    draw_source(state, source);
+    draw_source(state, requests, source);
     draw_actions(state, requests, source);
     draw_status(state, source, statistics);
 

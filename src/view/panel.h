@@ -62,6 +62,7 @@ struct PanelRequests {
   bool save = false;
   bool close = false;
   bool toggle_recording = false;
+  bool check_rig = false;
   bool change_setup = false;                  ///< PanelState::setup has changed
   std::optional<ShownControl> set_control{};  ///< camera setting changed
   std::optional<FileRequest> file{};          ///< to open or to write

@@ -243,7 +243,7 @@ TEST(SteppedProgram, LiveOnAMonitorWarnsOfARigThatMoved) {
     turned.rotation = (Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitX()) * turned.rotation).eval();
     write_scanner(scanner, turned);
 
-    const ProgramRun run = run_program(live_flags(scanner, "1"));
+    const ProgramRun run = run_program(live_flags(scanner, "6"));
     ASSERT_EQ(run.exit_code, 0) << run.err;
     const bool warned = run.err.find("the camera turned by 1.") != std::string::npos;
     EXPECT_EQ(warned, angle != 0) << run.err;

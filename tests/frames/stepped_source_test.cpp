@@ -137,6 +137,65 @@ INSTANTIATE_TEST_SUITE_P(Cameras, SteppedSources,
                                                         .exposure = milliseconds(30),
                                                         .transfer = milliseconds(60)}));
 
+/// Patterns of a guard, none of which a cycle has.
+std::vector<Image<std::uint8_t>> guard_patterns() {
+  std::vector<Image<std::uint8_t>> levels;
+  for (const int level : {90, 160, 40}) levels.emplace_back(Size{8, 8}, level);
+  return levels;
+}
+
+double level_of(const FrameSet& frames, int n) {
+  return frames.views().visit([&](const auto& views) {
+    return static_cast<double>(views[static_cast<std::size_t>(n)](3, 3));
+  });
+}
+
+// After the start and on request: its frames, and those of the cycle before, each of one pattern
+// alone; what next() returns is as without it.
+TEST_P(SteppedSources, TakeAGuardBetweenTwoCycles) {
+  Projector projector(milliseconds(23));
+  SteppedSource source(projector, std::make_unique<Camera>(projector, GetParam()), patterns(),
+                       GetParam().triggered, guard_patterns());
+  source.start();
+
+  Frame frame(source.format());
+  std::uint64_t expected = 0;
+  const auto next_guard = [&] {
+    std::optional<GuardedCycle> taken;
+    for (int i = 0; i < 200 && !taken; ++i) {
+      taken = source.take_guard();
+      if (source.next(frame, milliseconds(2000)) != Arrival::frame) continue;
+
+      EXPECT_GE(frame.stamp.sequence, expected);
+      expected = frame.stamp.sequence + 1;
+      const auto n = static_cast<std::size_t>(frame.stamp.sequence % 4);
+      EXPECT_NEAR(std::get<Image<std::uint8_t>>(frame.pixels)(3, 3), patterns()[n](0, 0), 1);
+    }
+    return taken;
+  };
+
+  for (int run = 0; run < 2; ++run) {
+    EXPECT_TRUE(source.wants_guard());
+    const std::optional<GuardedCycle> taken = next_guard();
+    ASSERT_TRUE(taken);
+    ASSERT_EQ(taken->cycle.count(), 4);
+    ASSERT_EQ(taken->guard.count(), 3);
+    for (int n = 0; n < 4; ++n) {
+      EXPECT_NEAR(level_of(taken->cycle, n), patterns()[static_cast<std::size_t>(n)](0, 0), 1);
+    }
+    for (int n = 0; n < 3; ++n) {
+      EXPECT_NEAR(level_of(taken->guard, n), guard_patterns()[static_cast<std::size_t>(n)](0, 0),
+                  1);
+    }
+
+    EXPECT_FALSE(source.wants_guard());
+    source.want_guard(true);
+  }
+  source.want_guard(false);
+  EXPECT_FALSE(source.wants_guard());
+  source.stop();
+}
+
 TEST(SteppedSource, SaysThatTheCameraDoesNotSeeTheProjector) {
   Projector projector(milliseconds(5));
   SteppedSource source(projector,

@@ -4,11 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "app/calibrate_repeat.h"
 #include "app/flag_names.h"
 #include "app/scan_flags.h"
 #include "calibrate/board_view.h"
@@ -18,6 +20,7 @@
 #include "io/image_file.h"
 #include "io/point_lists.h"
 #include "io/print_file.h"
+#include "io/scan_folder.h"
 #include "io/scan_pictures.h"
 #include "slipstream/scan_files.h"
 
@@ -76,6 +79,7 @@ struct CalibrateVerifyFlags {
   BoardCaptureFlags boards;
   std::string scanner;
   std::optional<std::string> output;
+  RepeatFlags repeat;
 };
 
 nlohmann::json json_of(const BoardMeasure& measure) {
@@ -109,6 +113,16 @@ void write_corrected(const CalibrateVerifyFlags& flags, const Verification& foun
 }
 
 void verify_calibration(const CalibrateVerifyFlags& flags, Output& output) {
+  if (flags.repeat.minutes) {
+    RepeatFlags repeat = flags.repeat;
+    repeat.capture.source.scanner = flags.scanner;
+    repeat.capture.source.sequence = flags.boards.scan.sequence;
+    repeat.capture.source.sequence.marker = flags.repeat.capture.source.sequence.marker;
+    return verify_over_time(repeat, output);
+  }
+  throw_if(flags.boards.folder.empty(),
+           "nothing to verify: name a folder of board poses, or give --repeat and --source");
+
   const CalibrationBoard board = board_from(flags.boards.board);
   const Scanner read = read_scanner(flags.scanner);
 
@@ -255,6 +269,26 @@ void calibrate_cameras(const CalibrateGeometryFlags& flags, const CalibrationBoa
   output.document["more_cameras"] = cameras;
 }
 
+/// The camera's temperatures in the poses whose scan.yaml has them, from least to most.
+Facts temperatures_in(const fs::path& folder, const BoardViews& views) {
+  std::map<std::string, std::vector<double>> known;
+  for (const BoardView& view : views) {
+    const fs::path file = folder / view.name / "x" / "scan.yaml";
+    if (!fs::exists(file)) continue;
+    for (const auto& [part, celsius] : read_scan_files(file).temperatures) {
+      known[part].push_back(celsius);
+    }
+  }
+
+  Facts facts;
+  for (const auto& [part, celsius] : known) {
+    const auto [least, most] = std::ranges::minmax(celsius);
+    facts.emplace_back("temperature of the camera, " + part,
+                       fmt::format("{:g} to {:g} degrees Celsius", least, most));
+  }
+  return facts;
+}
+
 std::vector<Finding> measured_findings(const CalibrateGeometryFlags& flags,
                                        const CalibrationBoard& board) {
   if (!flags.measured) return {};
@@ -315,10 +349,10 @@ void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output) {
     calibrate_cameras(flags, board, {captures, calibration}, further, output);
   } else {
     findings.insert(findings.end(), captures.findings.begin(), captures.findings.end());
-    write_calibration(
-        flags.result,
-        {calibration, printed_places(board), text_of(board), captures.unused, std::move(findings)},
-        other, output);
+    write_calibration(flags.result,
+                      {calibration, printed_places(board), text_of(board), captures.unused,
+                       std::move(findings), temperatures_in(flags.boards.folder, captures.views)},
+                      other, output);
   }
   if (flags.points) output.say("points: {}", *flags.points);
 }
@@ -345,11 +379,18 @@ void add_calibrate_verify(const Commands& calibrate) {
                      scanner_output_type);
 
   add_board_capture_flags(command, flags.boards);
-  command.common({"--scanner", "--output", "--board", "--corners", "--spacing", "--strategy",
-                  "--steps", "--high", "--low", "--projector"});
+  add_repeat_flags(command, flags.repeat);
+  command.app.get_option("folder")->required(false);
+  command.exclude("--repeat", {"folder", "--output"});
+
+  command.common({"--scanner", "--output", "--repeat", "--source", "--monitor", "--report",
+                  "--board", "--corners", "--spacing", "--strategy", "--steps", "--high", "--low",
+                  "--projector"});
   command.examples(
       {"calibrate verify poses --scanner scanner.yaml --corners 13x9 --spacing 10 -o "
-       "corrected.yaml"});
+       "corrected.yaml",
+       "calibrate verify --repeat 60 --source aravis: --monitor 1 --scanner scanner.yaml --report "
+       "warm-up"});
 }
 
 void add_calibrate(const Commands& program) {

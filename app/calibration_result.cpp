@@ -177,6 +177,7 @@ void write_calibration(const CalibrationResultFlags& flags, const CalibrationRes
   if (flags.report) {
     report.facts = facts_of_run(output);
     add_scanner(report.facts, scanner, flags.scanner);
+    report.facts.insert(report.facts.end(), result.facts.begin(), result.facts.end());
     write_page(fs::path(*flags.report) / "report.html", calibration_report(report));
   }
 

@@ -6,6 +6,7 @@
 
 #include "app/commands.h"
 #include "app/output.h"
+#include "base/page.h"
 #include "slipstream/board_capture.h"
 #include "slipstream/geometry_calibration.h"
 #include "slipstream/scanner.h"
@@ -42,6 +43,7 @@ struct CalibrationResult {
   std::string board;   ///< in words, see text_of(CalibrationBoard)
   std::vector<UnusedPose> unused;
   std::vector<Finding> findings;  ///< of the steps before the calibration
+  Facts facts{};                  ///< about the poses, for the report
 };
 
 /// Writes the scanner file and, if requested, the report; prints the figures and diagnostics.

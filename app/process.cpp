@@ -144,13 +144,15 @@ void end_by_closed_pipe() {
   stop_raised = SIGPIPE;
 }
 
-RunEnd::RunEnd(std::optional<double> duration) : duration_(duration) {
+RunEnd::RunEnd(std::optional<double> duration)
+    : duration_(duration), is_outermost_(!in_run.exchange(true)) {
+  if (!is_outermost_) return;
   stop_raised = 0;
   handle_ends(raise_stop);
-  in_run = true;
 }
 
 RunEnd::~RunEnd() {
+  if (!is_outermost_) return;
   in_run = false;
   handle_ends(end_program);
 }

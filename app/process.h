@@ -41,7 +41,8 @@ bool take_reload_request();
 
 /// Decides when an endless run ends: by a signal or after `duration` s. While it exists the first
 /// SIGINT, SIGTERM or SIGHUP (see reload_at_hangup) is remembered instead of ending the program, so
-/// that files can be completed; a second one ends it. At most one exists at a time.
+/// that files can be completed; a second one ends it. One within another's lifetime shares its
+/// signal.
 class RunEnd {
  public:
   explicit RunEnd(std::optional<double> duration);
@@ -56,10 +57,11 @@ class RunEnd {
 
  private:
   std::optional<double> duration_;
+  bool is_outermost_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// Whether a signal has come since the newest RunEnd began.
+/// Whether a signal has come since the outermost RunEnd began.
 bool stopped_by_signal();
 
 }  // namespace slipstream::app

@@ -74,11 +74,19 @@ TEST_F(CaptureProgram, LeadsFromNothingToACloud) {
           camera + board + patterns,
       "12 of 12: board12 captured");
   expect_near(read_scanner(scanner), read_scanner(truth));
-  EXPECT_TRUE(fs::exists(poses + "/report/report.html"));
+  EXPECT_NE(contents(poses + "/report/report.html").find("41 to 41 degrees Celsius"),
+            std::string::npos);
   expect_runs(Arguments{"calibrate", "geometry", poses, "-o", in_folder("again.yaml")} + board);
   EXPECT_EQ(read_scanner(in_folder("again.yaml")).translation, read_scanner(scanner).translation);
 
   expect_runs(Arguments{"capture", "--scanner", scanner, "-o", scan} + camera + patterns);
+  EXPECT_NE(contents(scan + "/scan.yaml").find("Sensor: 41"), std::string::npos);
+  expect_runs(Arguments{"calibrate", "verify", "--repeat", "0.01", "--scanner", scanner, "--report",
+                        in_folder("warm-up")} +
+                  camera + patterns,
+              "too few scans");
+  EXPECT_NE(contents(in_folder("warm-up/report.html")).find("41 to 41 degrees Celsius"),
+            std::string::npos);
   expect_runs({"assist", scan, "--scanner", scanner});
   expect_runs({"check", scan}, "OK: no problems found");
   expect_runs({"reconstruct", scan, "-o", in_folder("cloud.ply")}, "points of 307200");

@@ -73,21 +73,27 @@ class PointAverage {
   PointAverage(const AllPoints& all, const PointGrid& grid, float spacing)
       : all_(all), grid_(grid), spacing_(spacing) {}
 
+  /// How far neighbours lie from a seed at most.
+  static float reach(float spacing) { return 2 * spacing; }
+
   [[nodiscard]] ModelPoint at(std::uint32_t seed, bool coloured) const {
-    const Eigen::Vector3f normal = mean_normal(seed);
     const Eigen::Vector3f& origin = all_.points[seed];
+    std::vector<std::uint32_t> around;
+    grid_.for_each_near(origin, reach(spacing_),
+                        [&](std::uint32_t i, float) { around.push_back(i); });
+    const Eigen::Vector3f normal = mean_normal(seed, around);
 
     // 1. The neighbours on the same side of the surface, and their heights over the seed.
     std::vector<std::pair<std::uint32_t, float>> near;
     std::vector<double> heights;
-    grid_.for_each_near(origin, reach(), [&](std::uint32_t i, float) {
-      if (!(all_.normals[i].dot(normal) > least_alike)) return;
+    for (const std::uint32_t i : around) {
+      if (!(all_.normals[i].dot(normal) > least_alike)) continue;
       const Eigen::Vector3f offset = all_.points[i] - origin;
       const float height = offset.dot(normal);
-      if ((offset - height * normal).norm() > radius()) return;
+      if ((offset - height * normal).norm() > radius()) continue;
       near.emplace_back(i, height);
       heights.push_back(height);
-    });
+    }
 
     // 2. Heights off the middle by more than their noise allows are outliers.
     const double middle = median(heights);
@@ -103,13 +109,13 @@ class PointAverage {
  private:
   static constexpr float least_alike = 0.5F;
   [[nodiscard]] float radius() const { return 0.75F * spacing_; }
-  [[nodiscard]] float reach() const { return 2 * spacing_; }
 
-  [[nodiscard]] Eigen::Vector3f mean_normal(std::uint32_t seed) const {
+  [[nodiscard]] Eigen::Vector3f mean_normal(std::uint32_t seed,
+                                            const std::vector<std::uint32_t>& around) const {
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-    grid_.for_each_near(all_.points[seed], reach(), [&](std::uint32_t i, float) {
+    for (const std::uint32_t i : around) {
       if (all_.normals[i].dot(all_.normals[seed]) > least_alike) sum += all_.normals[i];
-    });
+    }
     return sum.normalized();
   }
 
@@ -197,12 +203,6 @@ ModelQuality quality_of(const FusedModel& model) {
   return quality;
 }
 
-FusedModel fuse(const std::vector<const View*>& views,
-                const std::vector<std::optional<Eigen::Isometry3d>>& poses, float spacing) {
-  // 1. All points in one frame.
-  FusedModel model{.spacing = spacing, .coloured = true};
-  std::vector<double> spacings;
-  for (std::size_t i = 0; i < views.size(); ++i) {
 ModelPoints model_points(const FusedModel& model) {
   const Size size{static_cast<int>(model.points.size()), 1};
   ModelPoints made{Cloud(size), {Image<float>(size), Image<float>(size), Image<float>(size)}};
@@ -234,6 +234,12 @@ void move_to_frame(FusedModel& model, const FramePose& pose) {
   }
 }
 
+FusedModel fuse(const std::vector<const View*>& views,
+                const std::vector<std::optional<Eigen::Isometry3d>>& poses, float spacing) {
+  // 1. All points in one frame.
+  FusedModel model{.spacing = spacing, .coloured = true};
+  std::vector<double> spacings;
+  for (std::size_t i = 0; i < views.size(); ++i) {
     if (!poses[i]) continue;
     model.coloured &= !views[i]->colours.empty();
     spacings.push_back(views[i]->spacing);
@@ -243,7 +249,7 @@ void move_to_frame(FusedModel& model, const FramePose& pose) {
   const AllPoints all = collected(views, poses, model.coloured);
 
   // 2. An average around a point of each cell; cells that noise divides give doubles.
-  const PointGrid grid(all.points, model.spacing);
+  const PointGrid grid(all.points, PointAverage::reach(model.spacing));
   const std::vector<std::uint32_t> seeds = thinned_to_cells(all.points, model.spacing);
   const PointAverage average(all, grid, model.spacing);
 

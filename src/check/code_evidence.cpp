@@ -1,6 +1,6 @@
 #include "check/code_evidence.h"
 
-// What the frames of a code reveal without geometry.
+// Evidence in the frames of a code that needs no geometry.
 #include <algorithm>
 #include <array>
 #include <bit>

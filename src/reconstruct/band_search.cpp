@@ -31,6 +31,7 @@ BandSearch band_search(const Layout& layout, int width) {
     before = periods;
   }
 
+  search.quarter = static_cast<float>(0.25 / before);
   return search;
 }
 

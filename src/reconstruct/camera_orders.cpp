@@ -10,6 +10,8 @@
 #include <optional>
 #include <vector>
 
+#include <hwy/cache_control.h>
+
 #include "base/numbers.h"
 #include "base/parallel_rows.h"
 #include "decode/band_unwrapper.h"
@@ -30,18 +32,21 @@ constexpr int group = 4;
 int best_order(const std::uint32_t* votes, int count) {
   constexpr float fits = 0.1F;      // mean for phases half a radian apart
   constexpr float clearly = 0.15F;  // margin to the second best
-  constexpr float fewest = 40;      // regions of fewer pixels may match by chance
+  constexpr std::uint32_t one_pixel = Disagreement::one_pixel;
+  constexpr std::uint32_t fewest = 40;  // regions of fewer pixels may match by chance
 
-  // The high bits are the pixels that are seen.
+  // The high bits count the pixels that are seen: at least half of the most.
   std::uint32_t most = 0;
   for (int k = 0; k < count; ++k) most = std::max(most, votes[k]);
-  const float enough = std::max(fewest, 0.5F * Disagreement(most).seen);
+  const std::uint32_t enough = std::max(fewest, (most / one_pixel + 1) / 2) * one_pixel;
 
+  // Most candidates are so bad that they change nothing, and cost no division.
   int best = -1;
-  float least = 2, second = 2;
+  float least = fits + 2 * clearly, second = least;
   for (int k = 0; k < count; ++k) {
+    if (votes[k] < enough) continue;
     const auto [sum, seen] = Disagreement(votes[k]);
-    if (seen < enough || sum >= second * seen) continue;  // most candidates: no division
+    if (sum >= second * seen) continue;
 
     const float mean = sum / seen;
     if (mean < least) {
@@ -160,8 +165,15 @@ class LineSums {
   /// The sums of a window that moves over the pixels [begin, end): adds the pixel that enters it
   /// and subtracts the one that leaves.
   void move_window(int begin, int end) {
+    // Votes along a column are far apart in memory: fetch them before they are needed.
+    constexpr int ahead = 24;
+
     for (int i = begin; i < std::min(end, begin + reach); ++i) change(i, true);
     for (int i = begin; i < end; ++i) {
+      const std::uint32_t* const next = votes_(std::min(i + ahead, line_.length - 1));
+      hwy::Prefetch(next);
+      hwy::Prefetch(next + candidates_.most - 1);
+
       if (i + reach < end) change(i + reach, true);
       if (i - reach > begin) change(i - reach - 1, false);
 
@@ -174,7 +186,9 @@ class LineSums {
     const std::uint32_t* votes = votes_(i);
     std::uint32_t* sums = window_.data() + (shift_[i] - least_);
 
-    for (int k = 0; k < candidates_.most; k += group, votes += group, sums += group) {
+    // A copy, as the compiler would read the number again after each store.
+    const int most = candidates_.most;
+    for (int k = 0; k < most; k += group, votes += group, sums += group) {
       std::array<std::uint32_t, group> changed{};
       for (int j = 0; j < group; ++j) changed[j] = sums[j] + (enters ? votes[j] : 0 - votes[j]);
       std::ranges::copy(changed, sums);
@@ -231,7 +245,7 @@ CameraOrders::CameraOrders(const EpipolarTables& tables, double periods, const D
   });
 
   candidates_.first = Image<std::int16_t>(tables.size());
-  candidates_.count = Image<std::uint8_t>(tables.size());
+  candidates_.count = Image<std::int16_t>(tables.size());
 
   // Whole numbers in the widest range between bounds, and in the field.
   float widest = 0;
@@ -244,19 +258,21 @@ CameraOrders::CameraOrders(const EpipolarTables& tables, double periods, const D
 
 const Image<float>& CameraOrders::operator()(const CameraPhases& camera, const Image<float>& phase,
                                              const CameraPhases& other) {
+  const int most = candidates_.most;
+
   // 1. Votes of each row's pixels, summed along it.
   for_each_row(phase.height(), [&](int row) {
     thread_local PointPhases points;
     find_candidates(camera, phase, row, points);
     compare_phases(tables_.lines(), camera, other, depths_, of_other_, points);
 
-    const auto votes = [&, all = points.votes.data()](int column) {
-      return all + column * candidates_.most;
+    const auto votes = [most, all = points.votes.data()](int column) {
+      return all + column * most;
     };
-    const auto keep = [&](int column, const std::uint32_t* sums) {
+    const auto keep = [&, most](int column, const std::uint32_t* sums) {
       std::uint32_t* const to = sums_.data() + at(column, row);
       const int count = candidates_.count(column, row);
-      for (int k = 0; k < candidates_.most; ++k) to[k] = k < count ? sums[k] : 0;
+      for (int k = 0; k < most; ++k) to[k] = k < count ? sums[k] : 0;
     };
     sum_line(camera, phase, true, row, candidates_, votes, keep);
   });
@@ -300,7 +316,7 @@ void CameraOrders::find_candidates(const CameraPhases& camera, const Image<float
     const int count = std::clamp(last - first + 1, 0, candidates_.most);
 
     candidates_.first(column, row) = static_cast<std::int16_t>(first);
-    candidates_.count(column, row) = static_cast<std::uint8_t>(count);
+    candidates_.count(column, row) = static_cast<std::int16_t>(count);
     points.counts[column] = count;
     points.coordinates[column] = (turn + static_cast<float>(first)) / periods_;
   }

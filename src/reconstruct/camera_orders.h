@@ -13,7 +13,7 @@ struct PointPhases;
 /// - 1.
 struct CandidateOrders {
   Image<std::int16_t> first{};
-  Image<std::uint8_t> count{};
+  Image<std::int16_t> count{};
   int most = 0;  ///< no count is larger
 };
 

@@ -267,10 +267,7 @@ bool PhaseMatcher::is_certain(const PixelMatches& matches, std::size_t k) const 
   //    period, and the second camera must find the same point: where the right place is hidden from
   //    it, a wrong one may match by chance, but not both ways.
   if (tables.searches || !tables.by_bands) {
-    const auto period = static_cast<float>(tables.period);
-    const float guess = tables.there.inverse_depth(column, row, y);
-    const float beside = tables.there.inverse_depth(column, row, y + period / 4);
-    if (!(std::abs(w - guess) < std::abs(beside - guess))) return false;
+    if (!(matches.quarters[k] < 1)) return false;
 
     // The last step of a search may lead out of the picture.
     const Image<float>& others = coordinates(1);
@@ -281,7 +278,7 @@ bool PhaseMatcher::is_certain(const PixelMatches& matches, std::size_t k) const 
     }
 
     const float seen = others(static_cast<int>(right), static_cast<int>(down));
-    if (!(std::abs(seen - y) < period / 2)) return false;
+    if (!(std::abs(seen - y) < static_cast<float>(tables.period) / 2)) return false;
   }
 
   // 2. With frames along the other axis, their phases must agree too.

@@ -259,7 +259,9 @@ void find_matches(const EpipolarLines& lines, const CameraPhases& first, const C
   for_each_vector(static_cast<int>(matches.pixels.size()), [&](std::size_t k) HWY_ATTR {
     const Ints pixels = hn::LoadU(di, matches.pixels.data() + k);
     const Rays rays(lines, pixels);
-    const Floats guess = rays.inverse_depth(hn::LoadU(d, matches.coordinates.data() + k));
+    const Floats y = hn::LoadU(d, matches.coordinates.data() + k);
+    const Floats guess = rays.inverse_depth(y);
+    const Floats beside = rays.inverse_depth(hn::Add(y, hn::Set(d, bands.quarter)));
     const Floats start = hn::IfThenElse(hn::Gt(guess, hn::Zero(d)), guess, nans());
 
     const LineSearch line(rays, first, second, pixels);
@@ -269,6 +271,9 @@ void find_matches(const EpipolarLines& lines, const CameraPhases& first, const C
     hn::StoreU(found.at.y, d, matches.y.data() + k);
     hn::StoreU(found.speed, d, matches.speed.data() + k);
     hn::StoreU(found.slope, d, matches.slope.data() + k);
+
+    const Floats quarters = quotient(hn::Sub(found.w, guess), hn::Sub(beside, guess));
+    hn::StoreU(hn::Abs(quarters), d, matches.quarters.data() + k);
   });
 }
 
@@ -341,8 +346,8 @@ void match_pixels(const EpipolarLines& lines, const CameraPhases& first, const C
   const std::size_t count = matches.pixels.size();
   if (count == 0) return;
 
-  constexpr std::array results{&PixelMatches::w, &PixelMatches::x, &PixelMatches::y,
-                               &PixelMatches::speed, &PixelMatches::slope};
+  constexpr std::array results{&PixelMatches::w,     &PixelMatches::x,     &PixelMatches::y,
+                               &PixelMatches::speed, &PixelMatches::slope, &PixelMatches::quarters};
   const auto find = [&](bool nearby, PixelMatches& of) {
     fill_vector(of.pixels);
     fill_vector(of.coordinates);

@@ -20,6 +20,7 @@ struct PixelMatches {
   std::vector<float> speed;  ///< length of the pixel's change over w
   /// Change of the phase along the line, rad per pixel of the second camera.
   std::vector<float> slope;
+  std::vector<float> quarters;  ///< distance of w from the start, quarters of a period
 };
 
 /// Matches the pixels band by band, from few periods to many.

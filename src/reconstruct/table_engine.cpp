@@ -15,6 +15,7 @@
 #include "decode/equations.h"
 #include "decode/phase_decoder.h"
 #include "reconstruct/engine_setup.h"
+#include "reconstruct/fused/fused_engine.h"
 #include "reconstruct/lens_table.h"
 #include "reconstruct/points.h"
 
@@ -304,25 +305,6 @@ void TableEngine::operator()(const FrameViews& frames, const Outputs& outputs) c
   });
 }
 
-/// Gives the outputs the picture's size.
-void TableEngine::prepare(const Outputs& outputs, Size size) {
-  const auto give_size = [&](auto&... images) {
-    ((images.size() == size ? void() : void(images = std::decay_t<decltype(images)>(size))), ...);
-  };
-
-  if (Cloud* const cloud = outputs.cloud) {
-    give_size(cloud->x, cloud->y, cloud->z, cloud->intensity, cloud->validity);
-  }
-  if (Depth* const depth = outputs.depth) give_size(depth->z, depth->validity);
-  if (outputs.depth16 != nullptr) give_size(*outputs.depth16);
-  if (Maps* const maps = outputs.maps) {
-    give_size(maps->mean, maps->modulation, maps->wrapped_phase, maps->coordinate);
-    maps->fringe_order_doubt = {};
-  }
-
-  if (outputs.modulation != nullptr) give_size(*outputs.modulation);
-}
-
 void TableEngine::write_phases(const Block& block, int column, int row, int count,
                                const Outputs& outputs) {
   const auto write = [&](const std::array<float, Block::pixels>& from, Image<float>& to) {
@@ -393,7 +375,7 @@ template <int N>
 void TableEngine::run(const Frames<std::uint8_t>& frames, const Outputs& outputs) const {
   const Tables& tables = *tables_;
   const Size size = tables.size();
-  prepare(outputs, size);
+  prepare(outputs, size, false);
 
   for_each_row(size.height, [&](int row) {
     Block block{};

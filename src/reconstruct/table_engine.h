@@ -42,7 +42,6 @@ class TableEngine {
 
   template <int N>
   void run(const Frames<std::uint8_t>& frames, const Outputs& outputs) const;
-  static void prepare(const Outputs& outputs, Size size);
   void judge(int column, int row, int count, Block& block) const;
   static void write_phases(const Block& block, int column, int row, int count,
                            const Outputs& outputs);

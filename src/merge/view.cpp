@@ -80,16 +80,14 @@ struct Moments {
 };
 
 /// Each neighbour counts by 1 - slope * offset, at least 0.
-Moments moments_near(const PointGrid& grid, std::span<const Eigen::Vector3f> points,
-                     const Eigen::Vector3f& place, float radius, const Eigen::Vector3f& slope) {
+Moments moments_of(std::span<const Eigen::Vector3f> offsets, const Eigen::Vector3f& slope) {
   Moments moments;
-  grid.for_each_near(place, radius, [&](std::uint32_t index, float) {
-    const Eigen::Vector3f offset = points[index] - place;
+  for (const Eigen::Vector3f& offset : offsets) {
     const float weight = std::max(1 - slope.dot(offset), 0.0F);
     moments.count += weight;
     moments.sum += weight * offset;
     moments.squares += weight * offset * offset.transpose();
-  });
+  }
   return moments;
 }
 
@@ -98,14 +96,17 @@ LocalPlane local_plane(const PointGrid& grid, std::span<const Eigen::Vector3f> p
   constexpr float fewest = 6;
   constexpr float across = 0.05F;  // leaves the offsets across the surface alone
 
-  Moments moments = moments_near(grid, points, place, radius, Eigen::Vector3f::Zero());
+  std::vector<Eigen::Vector3f> offsets;
+  grid.for_each_near(place, radius,
+                     [&](std::uint32_t index, float) { offsets.push_back(points[index] - place); });
+  Moments moments = moments_of(offsets, Eigen::Vector3f::Zero());
   if (moments.count < fewest) return {};
 
   // A slanted surface has more points towards the camera, and a rim points on one side: weighted so
   // that their mean is the place, since the normal is the one at their mean.
   const float small = across * moments.squares.trace();
   const Eigen::Matrix3f squares = moments.squares + small * Eigen::Matrix3f::Identity();
-  moments = moments_near(grid, points, place, radius, squares.ldlt().solve(moments.sum));
+  moments = moments_of(offsets, squares.ldlt().solve(moments.sum));
 
   const Eigen::Matrix3f scatter =
       moments.squares - moments.sum * moments.sum.transpose() / moments.count;

@@ -41,7 +41,11 @@ class SessionNews {
     if (std::exchange(state_, state) == state) return;
 
     tell_service_manager("STATUS=" + printable(state));
-    state.empty() ? output_.say("the source has recovered") : output_.warn(state);
+    if (state.empty()) {
+      output_.say("the source has recovered");
+    } else {
+      output_.warn(state);
+    }
   }
 
   /// That a recording has reached its limit.
@@ -276,22 +280,8 @@ void require_good(const LiveFlags& flags) {
 #endif
 }
 
-void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
-  SourceFlags& source = flags.source;
-  source.virtual_scanner.idle_step = {0.5, 0, 0};
-
-  // The source, and the end of the run.
-  command.add("--source", source.source, source_forms());
-  command.add_settings(source);
-  command.add("--monitor", flags.monitor,
-              "show the patterns on this monitor, see `project --list`, and take them in step");
-  command.add("--no-guard", flags.no_guard,
-              "with --monitor: do not take a guard at the start, which shows whether the rig has "
-              "moved since calibration");
-  command.add("--duration", flags.duration, "stop after this many seconds");
-  command.add("--frames", flags.live.most_frames, "stop after this many frames");
-
-  // Results made of all clouds.
+/// Results made of all clouds, recording and publishing.
+void add_live_result_flags(const FlagGroup& command, LiveFlags& flags) {
   command.add_output(
       "-o,--output", flags.output,
       "file for the last cloud: .ply, .pcd or .xyz; - writes .ply to standard output");
@@ -304,7 +294,6 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
       "--model", flags.model,
       "register all clouds of a rigid turning object, alone in view, into one: .ply, .pcd or .xyz");
 
-  // Recording and publishing.
   command.add_output("--record", flags.record,
                      "record all frames, for replay:PATH, into a .slip file");
   add_limit_flag(command.app, flags.limit);
@@ -313,28 +302,49 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
            fmt::format("publish clouds, may be repeated: {}", sink_forms()))
       ->expected(1)
       ->take_all();
+}
 
-  // How frames become clouds.
+/// How frames become clouds.
+void add_live_cloud_flags(const FlagGroup& command, LiveFlags& flags) {
   command.add_named(
       "--indexing", flags.live.indexing, pattern_indexing_named, "source",
       "how frames are matched to patterns: source (its own index), counted "
       "(frame number modulo patterns) or marker (a dark or bright frame ends each cycle)");
-  command.add_file("--scanner", source.scanner,
+  command.add_file("--scanner", flags.source.scanner,
                    "scanner file; default: the recording's or the virtual scanner's");
   command.add("--second-camera", flags.second_camera,
               "source of a second camera that sees the same patterns: clouds come from matches "
               "between both");
   command.add_file("--second-scanner", flags.second_scanner,
                    "scanner file of the second camera with the same projector; default: its own");
+  command.add("--fuse", flags.live.fuse,
+              "two cameras: instead of matching their phases, fuse the points that each measures "
+              "with the projector");
   command.add("--gamma", flags.gamma,
               "response correction: scanner (from its file, if present), none, or a gamma");
   add_backend_flag(command, flags.settings);
   FlagGroup{command.app, "Valid pixels"}.add_settings(flags.settings);
   add_clean_flags(command.app, flags.settings);
-  command.add("--fuse", flags.live.fuse,
-              "two cameras: instead of matching their phases, fuse the points that each measures "
-              "with the projector");
   add_frame_flag(command.app, flags.settings);
+}
+
+void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
+  SourceFlags& source = flags.source;
+  source.virtual_scanner.idle_step = {0.5, 0, 0};
+
+  // The source, and the end of the run.
+  command.add("--source", source.source, source_forms());
+  command.add_settings(source);
+  command.add("--monitor", flags.monitor,
+              "show the patterns on this monitor, see `project --list`, and take them in step");
+  command.add("--no-guard", flags.no_guard,
+              "with --monitor: take no guard, which shows at the start, after a pause and on "
+              "request whether the rig has moved since calibration");
+  command.add("--duration", flags.duration, "stop after this many seconds");
+  command.add("--frames", flags.live.most_frames, "stop after this many frames");
+
+  add_live_result_flags(command, flags);
+  add_live_cloud_flags(command, flags);
 #ifdef SLIPSTREAM_VIEW
   add_view_flags(command.app, flags.view);
 #endif

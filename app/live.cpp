@@ -280,6 +280,8 @@ void require_good(const LiveFlags& flags) {
 #endif
 }
 
+namespace {
+
 /// Results made of all clouds, recording and publishing.
 void add_live_result_flags(const FlagGroup& command, LiveFlags& flags) {
   command.add_output(
@@ -327,6 +329,8 @@ void add_live_cloud_flags(const FlagGroup& command, LiveFlags& flags) {
   add_clean_flags(command.app, flags.settings);
   add_frame_flag(command.app, flags.settings);
 }
+
+}  // namespace
 
 void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
   SourceFlags& source = flags.source;

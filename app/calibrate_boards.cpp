@@ -8,6 +8,7 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/calibrate_repeat.h"
@@ -381,7 +382,10 @@ void add_calibrate_verify(const Commands& calibrate) {
   add_board_capture_flags(command, flags.boards);
   add_repeat_flags(command, flags.repeat);
   command.app.get_option("folder")->required(false);
-  command.exclude("--repeat", {"folder", "--output"});
+  command.exclude("--repeat",
+                  {"folder", "--output", "--exclude", "--first-axis", "--minimum-modulation",
+                   "--neighbourhood", "--board", "--corners", "--spacing", "--circle-diameter",
+                   "--marker-side", "--dictionary", "--order", "--channel", "--mosaic"});
 
   command.common({"--scanner", "--output", "--repeat", "--source", "--monitor", "--report",
                   "--board", "--corners", "--spacing", "--strategy", "--steps", "--high", "--low",

@@ -8,11 +8,15 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "app/process.h"
 #include "app/report_facts.h"
 #include "calibrate/depth_drift.h"
+#include "io/file.h"
 #include "io/image_file.h"
 #include "io/plot.h"
 #include "slipstream/scan_job.h"
@@ -32,9 +36,10 @@ class FixedScene {
     // The virtual camera repeats its frames, so each scan has one of its own, with other noise.
     const bool is_virtual = scheme_of(flags_.source.source) == "virtual";
     if (is_virtual && std::exchange(scanned_, true)) {
-      rig_.reset();
       ++flags_.source.virtual_scanner.seed;
-      rig_.emplace(open_rig(flags_, output_));
+      CaptureRig opened = open_rig(flags_, output_);  // if that fails, the old one stays
+      rig_.reset();
+      rig_.emplace(std::move(opened));
     }
 
     const NamedSource& opened = rig_->opened;
@@ -53,7 +58,7 @@ class FixedScene {
 
   [[nodiscard]] bool closed() const { return rig_->projector.closed(); }
   [[nodiscard]] Temperatures temperatures() const { return temperatures_of(*rig_->opened.frames); }
-  /// Of the last scan.
+  /// Result of the last scan.
   [[nodiscard]] const ScanResult& result() const { return result_; }
 
  private:
@@ -67,9 +72,9 @@ class FixedScene {
 
 /// The figures of all scans, over minutes since the first.
 struct DepthSeries {
-  PlotLine mean{"mean"}, uneven{"uneven"};  ///< see DepthChange; since the first scan
-  std::map<std::string, PlotLine> temperatures{};
-  std::size_t failed = 0;  ///< scans
+  PlotLine mean{"mean"}, uneven{"uneven"};   ///< see DepthChange; since the first scan
+  std::vector<Temperatures> temperatures{};  ///< of each scan
+  std::size_t failed = 0;                    ///< scans
 
   [[nodiscard]] std::size_t scans() const { return mean.x.size(); }
 };
@@ -90,15 +95,23 @@ DriftVerdict judged(const DepthSeries& series) {
 
   // Depth is steady if its mean and its unevenness are.
   Steadiness depth = steadiness(series.mean.x, series.mean.y);
-  const auto even_since = steadiness(series.uneven.x, series.uneven.y).since;
-  depth.since = depth.since && even_since ? std::max(depth.since, even_since) : std::nullopt;
+  const Steadiness uneven = steadiness(series.uneven.x, series.uneven.y);
 
-  if (!depth.since) {
-    return {depth,
-            {"bad", fmt::format("depth is not steady yet: it has changed by {:.4f} mm so "
-                                "far; repeat for longer ({})",
-                                depth.level, all)}};
+  std::vector<std::string> unsteady;
+  for (const auto& [name, figure] :
+       {std::pair("mean change", depth), std::pair("unevenness", uneven)}) {
+    if (figure.since) continue;
+    unsteady.push_back(fmt::format("its {} of {:.4f} mm still varies by more than {:.4f} mm", name,
+                                   figure.level, figure.band));
   }
+
+  if (!unsteady.empty()) {
+    depth.since.reset();
+    return {depth,
+            {"bad", fmt::format("depth is not steady yet: {}; repeat for longer ({})",
+                                fmt::join(unsteady, ", and "), all)}};
+  }
+  depth.since = std::max(depth.since, uneven.since);
   const std::string when =
       *depth.since > 0 ? fmt::format("after {:.2f} min", *depth.since) : "from the start";
   return {depth,
@@ -132,29 +145,43 @@ DepthSeries scanned_for(double minutes, FixedScene& scene, const RunEnd& end, Ou
 
       // 2. Its figures.
       const double at = (now - start) / 60;
+      series.temperatures.push_back(scene.temperatures());
       series.mean.add(at, change.mean);
       series.uneven.add(at, change.uneven);
-      for (const auto& [part, celsius] : scene.temperatures()) {
-        series.temperatures.try_emplace(part, PlotLine{part}).first->second.add(at, celsius);
-      }
     } catch (const std::runtime_error& error) {
       if (series.scans() == 0) throw;
       if (goes_on() && series.failed++ == 0) output.warn(error.what());
     }
 
-    // 3. Until the next one is due.
+    // 3. Until the next one is due; that one tells if the camera has failed.
     progress.reach(static_cast<std::int64_t>(end.seconds()));
-    while (goes_on() && end.seconds() < now + interval) scene.watch();
+    while (goes_on() && end.seconds() < now + interval) {
+      try {
+        scene.watch();
+      } catch (const std::runtime_error&) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      }
+    }
   } while (goes_on());
 
   return series;
+}
+
+/// The temperature of each part of the camera over minutes.
+std::map<std::string, PlotLine> temperature_lines(const DepthSeries& series) {
+  std::map<std::string, PlotLine> lines;
+  for (std::size_t i = 0; i < series.scans(); ++i) {
+    for (const auto& [part, celsius] : series.temperatures[i]) {
+      lines.try_emplace(part, PlotLine{part}).first->second.add(series.mean.x[i], celsius);
+    }
+  }
+  return lines;
 }
 
 void write_report(const RepeatFlags& flags, const DepthSeries& series, const DriftVerdict& found,
                   const ScanResult& last, Output& output) {
   const fs::path folder = *flags.report;
   const SourceFlags& source = flags.capture.source;
-  make_folder(folder);
 
   Page page("Depth of a fixed scene over time", &with_flags);
   page.verdict(found.answer);
@@ -166,16 +193,16 @@ void write_report(const RepeatFlags& flags, const DepthSeries& series, const Dri
                                             .lines = {series.mean, series.uneven}});
   page.picture(
       "Change of depth since the first scan: its mean over the picture, and the RMS about it of "
-      "the "
-      "means of 4x4 parts",
+      "the means of 4x4 parts",
       "depth.png");
 
-  if (!series.temperatures.empty()) {
+  const std::map<std::string, PlotLine> temperatures = temperature_lines(series);
+  if (!temperatures.empty()) {
     LinePlot plot{.title = "Temperature of the camera",
                   .x_label = "minutes",
                   .y_label = "degrees Celsius",
                   .lines = {}};
-    for (const auto& [part, line] : series.temperatures) plot.lines.push_back(line);
+    for (const auto& [part, line] : temperatures) plot.lines.push_back(line);
     write_plot(folder / "temperature.png", plot);
     page.picture("Temperature of the camera", "temperature.png");
   }
@@ -189,7 +216,7 @@ void write_report(const RepeatFlags& flags, const DepthSeries& series, const Dri
   if (found.depth) {
     facts.emplace_back("noise of a scan's mean", fmt::format("{:.4f} mm", found.depth->noise));
   }
-  for (const auto& [part, line] : series.temperatures) {
+  for (const auto& [part, line] : temperatures) {
     facts.emplace_back("temperature, " + part,
                        fmt::format("{:g} to {:g} degrees Celsius", line.y.front(), line.y.back()));
   }
@@ -211,18 +238,23 @@ void verify_over_time(const RepeatFlags& flags, Output& output) {
            "--repeat: {} shows the same scene again; use a camera, or virtual", source);
 
   FixedScene scene(flags.capture, output);
+  if (flags.report) {
+    // A report that cannot be written should not wait for the scans.
+    make_folder(*flags.report);
+    const OutputFile tried(fs::path(*flags.report) / "report.html");
+  }
+
   const RunEnd end(60 * *flags.minutes);
   const DepthSeries series = scanned_for(*flags.minutes, scene, end, output);
   const DriftVerdict found = judged(series);
 
   for (std::size_t i = 0; i < series.scans(); ++i) {
     output.add_to("scans", "minutes", series.mean.x[i], "depth_change_mm", series.mean.y[i],
-                  "uneven_mm", series.uneven.y[i]);
+                  "uneven_mm", series.uneven.y[i], "temperatures_celsius", series.temperatures[i]);
   }
-  for (const auto& [part, line] : series.temperatures) {
-    output.object("temperatures_celsius")[part] = line.y;
-  }
-  output.add("failed_scans", series.failed, "verdict", found.answer.words);
+  output.add("failed_scans", series.failed, "grade", found.answer.grade, "verdict",
+             found.answer.words);
+  if (found.answer.grade == std::string_view("bad")) output.exit_code = 2;
   if (found.depth) {
     output.add("depth_change_mm", found.depth->level, "band_mm", found.depth->band, "noise_mm",
                found.depth->noise);
@@ -245,11 +277,14 @@ void add_repeat_flags(const FlagGroup& command, RepeatFlags& flags) {
 
   // 1. The flags of the scans.
   repeat->needs(command.add("--source", source.source, source_forms()));
-  command.add("--monitor", flags.capture.monitor,
-              "show the patterns on this monitor, see `project --list`; default: the projector "
-              "loops them by itself");
-  command.add("--settle", flags.capture.settle,
-              "with --monitor: delay from showing a pattern to taking its frame, ms");
+  CLI::Option* const monitor =
+      command.add("--monitor", flags.capture.monitor,
+                  "show the patterns on this monitor, see `project --list`; default: the projector "
+                  "loops them by itself");
+  command
+      .add("--settle", flags.capture.settle,
+           "with --monitor: delay from showing a pattern to taking its frame, ms")
+      ->needs(monitor);
   command.add("--marker", source.sequence.marker,
               "each cycle ends with a dark frame, as by `project --marker`");
   command.add("--rate", source.rate, "frames per second of a free-running camera");

@@ -158,8 +158,7 @@ std::unique_ptr<RecordedSource> recorded_source(NamedSource& opened, const Sourc
       .sequence = opened.sequence,
       .scanner = has_geometry(setup.scanner) ? std::optional(setup.scanner) : std::nullopt,
       .in_colour = opened.in_colour,
-      .white = opened.white,
-      .temperatures = temperatures_of(*opened.frames)};
+      .white = opened.white};
   return std::make_unique<RecordedSource>(std::move(opened.frames), header, limit);
 }
 

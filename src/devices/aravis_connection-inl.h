@@ -1,10 +1,10 @@
 #pragma once
 
-#include <cmath>
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>

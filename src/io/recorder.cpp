@@ -209,8 +209,9 @@ void RecordedSource::set_strategy(const Strategy& strategy) {
 
 void RecordedSource::record_to(const std::filesystem::path& path) {
   finish_recording();
-  auto recorder =
-      std::make_shared<Recorder>(path, locked(header_), Recorder::default_memory, limit_);
+  RecordingHeader header = locked(header_);
+  header.temperatures = temperatures_of(*source_);
+  auto recorder = std::make_shared<Recorder>(path, header, Recorder::default_memory, limit_);
   const std::lock_guard lock(mutex_);
   path_ = path;
   recorder_ = std::move(recorder);

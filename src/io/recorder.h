@@ -102,7 +102,8 @@ std::int64_t record_frames(FrameSource& source, Recorder& recorder,
 /// or reaches its limit, it ends, and frames keep coming.
 class RecordedSource : public SourceOver {
  public:
-  /// `header`, `limit`: of future recordings; the header gets the source's format.
+  /// `header`, `limit`: of future recordings; the header gets the source's format, and as each
+  /// begins its camera's temperatures.
   RecordedSource(std::unique_ptr<FrameSource> source, RecordingHeader header,
                  const FileLimit& limit = {});
 

@@ -205,7 +205,6 @@ ScanFiles files_from(const YamlMap& map, const fs::path& folder) {
   for (const std::string& frame : map.list<std::string>("frames", "files", "a name")) {
     scan.frames.push_back(folder / frame);
   }
-
   for (const std::string& picture : map.list<std::string>("colour", "pictures", "a name")) {
     scan.colour.push_back(folder / picture);
   }
@@ -214,7 +213,10 @@ ScanFiles files_from(const YamlMap& map, const fs::path& folder) {
   if (map.has("mosaic")) scan.mosaic = mosaic_named(map.value<std::string>("mosaic", "a word"));
 
   map.read("temperature", "a map of numbers, e.g. {Sensor: 41.5}", scan.temperatures);
-
+  for (const auto& [part, celsius] : scan.temperatures) {
+    throw_if(part.empty() || !std::isfinite(celsius),
+             "temperature: '{}: {}'; expected e.g. 'Sensor: 41.5'", part, celsius);
+  }
   if (map.has("second_camera")) {
     for (const std::string& camera : map.one_or_list("second_camera", "folders", "a folder")) {
       scan.further_cameras.push_back(folder / camera);

@@ -18,7 +18,7 @@ namespace slipstream::repeat_program_test {
 
 class RepeatProgram : public testing::Test {
  protected:
-  void SetUp() override { write_scanner(path("scanner.yaml"), example_scanner({160, 120})); }
+  void SetUp() override { write_scanner(path("scanner.yaml"), example_scanner({80, 60})); }
 
   [[nodiscard]] std::string path(const std::string& name) const { return folder_.path() / name; }
 
@@ -34,21 +34,22 @@ class RepeatProgram : public testing::Test {
 };
 
 TEST_F(RepeatProgram, RehearsesAWarmUpWithTheVirtualScanner) {
-  const ProgramRun run = run_program(verify({"--repeat", "0.05", "--source", "virtual", "--json"}));
+  const ProgramRun run = run_program(verify({"--repeat", "0.15", "--source", "virtual", "--json"}));
   ASSERT_EQ(run.exit_code, 0) << run.err;
 
   const auto document = nlohmann::json::parse(run.out);
   const auto& scans = document["scans"];
-  ASSERT_FALSE(scans.empty());
+  ASSERT_GE(scans.size(), 2U);
   EXPECT_EQ(scans[0]["depth_change_mm"], 0);
   EXPECT_EQ(document["failed_scans"], 0);
-  for (const auto& scan : scans) EXPECT_LT(std::abs(scan["depth_change_mm"].get<double>()), 0.1);
+  for (const auto& scan : scans) EXPECT_LT(std::abs(scan["depth_change_mm"].get<double>()), 0.2);
 
-  // A virtual scanner does not warm up; each scan has its own noise.
-  if (scans.size() >= 9) {
-    EXPECT_EQ(document["steady_after_minutes"], 0) << run.out;
-    EXPECT_NE(scans[1]["depth_change_mm"], 0);
-  }
+  // A virtual scanner does not warm up; each scan has its own noise. A busy machine takes few.
+  const bool is_judged = scans.size() >= 9;
+  EXPECT_EQ(document["grade"], is_judged ? "good" : "usable") << run.out;
+  EXPECT_EQ(document.value("steady_after_minutes", -1.0), is_judged ? 0 : -1) << run.out;
+  EXPECT_NE(scans[1]["depth_change_mm"], 0);
+  EXPECT_TRUE(scans[1]["temperatures_celsius"].empty());  // it measures none
   EXPECT_NE(contents(path("report/report.html")).find("Depth of a fixed scene over time"),
             std::string::npos);
 }
@@ -60,6 +61,21 @@ TEST_F(RepeatProgram, EndsOnCtrlCWithWhatItHasMeasured) {
   EXPECT_EQ(program.wait(), 0) << program.words();
   EXPECT_NE(program.out().find("too few scans"), std::string::npos) << program.words();
   EXPECT_TRUE(std::filesystem::exists(path("report/report.html")));
+}
+
+TEST_F(RepeatProgram, LeavesOutLaterScansThatFail) {
+  RunningProgram program(verify({"--repeat", "0.1", "--source", "virtual"}));
+  ASSERT_TRUE(program.wait_for_words("Ctrl-C ends earlier")) << program.words();
+  std::filesystem::remove(path("scanner.yaml"));
+  EXPECT_EQ(program.wait(), 0) << program.words();
+  EXPECT_NE(program.err().find("scanner.yaml"), std::string::npos) << program.words();
+}
+
+TEST_F(RepeatProgram, TriesTheReportBeforeTheScans) {
+  std::filesystem::create_directories(path("report/report.html"));
+  const ProgramRun run = run_program(verify({"--repeat", "600", "--source", "virtual"}));
+  EXPECT_EQ(run.exit_code, 1) << run.err;
+  EXPECT_NE(run.err.find("report.html"), std::string::npos) << run.err;
 }
 
 TEST_F(RepeatProgram, RefusesInOneLine) {
@@ -75,6 +91,8 @@ TEST_F(RepeatProgram, RefusesInOneLine) {
   expect_refused({"--repeat", "0", "--source", "virtual"}, "--repeat 0");
   expect_refused({"--repeat", "1", "--source", "replay:scan.slip"}, "replay:scan.slip");
   expect_refused({"--repeat", "1"}, "--source");
+  expect_refused({"--repeat", "1", "--source", "virtual", "--corners", "13x9"}, "--corners");
+  expect_refused({"--repeat", "1", "--source", "virtual", "--settle", "5"}, "--monitor");
   expect_refused({"--source", "virtual"}, "--repeat");
   expect_refused({"poses", "--repeat", "1", "--source", "virtual"}, "--repeat");
   expect_refused({}, "--repeat");

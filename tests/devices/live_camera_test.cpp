@@ -9,9 +9,12 @@
 #include <gtest/gtest.h>
 
 #include "devices/genicam.h"
+#include "io/recorder.h"
 #include "slipstream/live_pipeline.h"
+#include "slipstream/recording.h"
 #include "tests/devices/offline.h"
 #include "tests/devices/served_camera.h"
+#include "tests/io/temporary_folder.h"
 
 namespace slipstream::live_camera_test {
 using namespace std::chrono_literals;
@@ -73,6 +76,20 @@ TEST(LiveCamera, CloudsGoOnWhenTheCameraIsBackAndMixNothing) {
   EXPECT_EQ(pipeline.statistics().source_state, "");
   pipeline.stop();
   EXPECT_EQ(wrong, 0U);
+}
+
+TEST(LiveCamera, ARecordingKeepsTheTemperaturesOfItsStart) {
+  const Offline offline;
+  const auto camera = serve(offline.loop);
+  REQUIRE_CAMERA(camera);
+  RecordedSource source(open_genicam_camera(served_address, settings_for(offline)),
+                        {.sequence = offline.setup.sequence});
+
+  const TemporaryFolder folder;
+  source.record_to(folder.path() / "scan.slip");
+  source.finish_recording();
+  EXPECT_EQ(RecordingReader(folder.path() / "scan.slip").header().temperatures,
+            (Temperatures{{"Mainboard", 38}, {"Sensor", 41}}));
 }
 
 }  // namespace slipstream::live_camera_test

@@ -59,14 +59,11 @@ TEST(SavedScan, KeepsTheTemperaturesOfTheCamera) {
     EXPECT_EQ(scan_files_in(path).temperatures, measured) << name;
   }
 
-  expect_error(
-      [] {
-        (void)scan_files_from(
-            "{slipstream: 1, strategy: {name: pmp}, temperature: "
-            "warm}",
-            "scan.yaml", {});
-      },
-      {"temperature", "{Sensor: 41.5}"});
+  for (const std::string wrong : {"warm", "{Sensor: .nan}", "{Sensor: .inf}", "{\"\": 41}"}) {
+    const std::string file = "{slipstream: 1, strategy: {name: pmp}, temperature: " + wrong + "}";
+    expect_error([&] { (void)scan_files_from(file, "scan.yaml", {}); },
+                 {"temperature", "Sensor: 41.5"});
+  }
 }
 
 // Pixel 0 of the binned pictures joins pixels 0 and 1, whose middle is 0.5.

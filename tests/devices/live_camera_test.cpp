@@ -87,6 +87,10 @@ TEST(LiveCamera, ARecordingKeepsTheTemperaturesOfItsStart) {
 
   const TemporaryFolder folder;
   source.record_to(folder.path() / "scan.slip");
+  source.start();
+  Frame frame(source.format());
+  ASSERT_EQ(source.next(frame, 10s), Arrival::frame);
+  source.stop();
   source.finish_recording();
   EXPECT_EQ(RecordingReader(folder.path() / "scan.slip").header().temperatures,
             (Temperatures{{"Mainboard", 38}, {"Sensor", 41}}));

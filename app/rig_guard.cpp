@@ -15,9 +15,9 @@ namespace slipstream::app {
 namespace {
 
 constexpr const char* no_guard =
-    "no guard, as the scene did not stand still: a camera or projector that moved since "
-    "calibration "
-    "would not show";
+    "no guard, as the scene did not stand still: a moved camera or projector would not show";
+constexpr const char* frames_do_not_fit =
+    "no guard: the frames of its scan do not fit their patterns";
 
 /// One cycle of the patterns, without what belongs to a run.
 Sequence scan_of(Sequence sequence) {
@@ -91,9 +91,11 @@ void RigWatch::look(const EngineSetup& setup) {
 
 void RigWatch::finish(const EngineSetup& setup) {
   look(setup);
-  if (comparing_.valid()) comparing_.wait();
-  look(setup);
-  if (state().empty()) output_.say("no guard: the run was too short");
+  while (comparing_.valid()) {
+    comparing_.wait();
+    look(setup);
+  }
+  if (state().empty()) output_.say("no guard has been compared in this run");
 }
 
 std::string RigWatch::state() const {
@@ -108,10 +110,10 @@ void RigWatch::set_state(std::string state) {
 
 void RigWatch::tell(const GuardResult& result) {
   output_.document["guard"] = as_json(result.epipolar);
-  if (!result.epipolar) return set_state("the guard is not compared: see the findings");
+  if (result.epipolar) tell_guard(*result.epipolar, "", output_);
 
-  set_state("the rig stands as calibrated");
-  tell_guard(*result.epipolar, "", output_);
+  set_state(result.epipolar ? "the rig stands as calibrated" : frames_do_not_fit);
+  if (!result.epipolar && result.findings.empty()) output_.say("{}", frames_do_not_fit);
   for (const Finding& finding : result.findings) {
     set_state(with_flags(text_of(finding)));
     output_.warn(state());

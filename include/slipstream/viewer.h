@@ -159,7 +159,7 @@ struct ViewSource {
   /// Status of the recording in a few words; empty if there is none.
   std::function<std::string()> recording{};
   std::function<void()> check_rig{};   ///< compares the rig with its calibration
-  std::function<std::string()> rig{};  ///< what the newest comparison shows; empty before
+  std::function<std::string()> rig{};  ///< result of the newest comparison; empty before
   bool opens_saved = false;  ///< Save also opens the saved scan; its button is called Capture
 
   std::shared_ptr<ViewSteps> steps{};  ///< null if there is only this source

@@ -22,10 +22,12 @@ constexpr int flashes = 12;
 /// No projector and camera are slower together.
 constexpr milliseconds slowest{3000};
 
-/// The rig may have been touched while no frame came for so long.
+/// After as long without a frame the rig may have been touched.
 constexpr std::chrono::seconds long_pause{5};
-/// Of a guard, in a scene that does not stand still.
+/// Attempts at a guard, in a scene that does not stand still.
 constexpr int most_tries = 4;
+/// A pattern of a guard is shown again, at most so often, if no frame shows it alone.
+constexpr std::size_t most_shown = 4;
 
 /// Mean grey level, of 255.
 double mean_level(const Frame& frame) {
@@ -35,6 +37,18 @@ double mean_level(const Frame& frame) {
         return sum / static_cast<double>(image.pixel_count()) * 255 / ((1 << frame.bits) - 1);
       },
       frame.pixels);
+}
+
+/// Whether each pattern has a frame.
+bool are_whole(const std::vector<std::optional<Frame>>& taken) {
+  return std::ranges::all_of(taken, [](const auto& frame) { return frame.has_value(); });
+}
+
+/// The frames of patterns that all have one.
+std::vector<Frame> frames_of(std::vector<std::optional<Frame>> taken) {
+  std::vector<Frame> frames;
+  for (std::optional<Frame>& frame : taken) frames.push_back(*std::move(frame));
+  return frames;
 }
 
 }  // namespace
@@ -62,8 +76,9 @@ void SteppedSource::start() {
     const std::lock_guard lock(mutex_);
     failure_ = nullptr;
     shown_.clear();
-    if (has_guard()) plan_guard(1);
   }
+  want_guard(false);
+  want_guard(true);
 
   source_->start();
   if (delay_.ends == nanoseconds{}) measure_delay();
@@ -194,12 +209,12 @@ void SteppedSource::measure_delay() {
 }
 
 bool SteppedSource::wants_guard() const {
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(guard_mutex_);
   return wanted_.has_value();
 }
 
 void SteppedSource::want_guard(bool wanted) {
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(guard_mutex_);
   if (!wanted) {
     wanted_.reset();
   } else if (has_guard() && !wanted_) {
@@ -208,56 +223,84 @@ void SteppedSource::want_guard(bool wanted) {
 }
 
 std::optional<GuardedCycle> SteppedSource::take_guard() {
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(guard_mutex_);
   return std::exchange(guarded_, std::nullopt);
 }
 
 void SteppedSource::plan_guard(int tries) {
-  // After one whole cycle from now on.
-  const std::uint64_t begun = (next_ + cycle_ - 1) / cycle_;
-  wanted_ = WantedGuard{.at = (begun + 1) * cycle_, .tries = tries};
+  wanted_ = WantedGuard{
+      .before = Taken(cycle_), .guard = Taken(guard_), .after = Taken(cycle_), .tries = tries};
+}
+
+std::optional<std::size_t> SteppedSource::next_of_guard() {
+  const std::lock_guard lock(guard_mutex_);
+  if (!wanted_) return std::nullopt;
+  WantedGuard& wanted = *wanted_;
+
+  // 1. It begins between two cycles, once each pattern of one has a frame.
+  if (!wanted.followed_by) {
+    if (next_ % cycle_ != 0 || !are_whole(wanted.before)) return std::nullopt;
+    wanted.followed_by = next_;
+  }
+
+  // 2. One pattern after the other, and again those without a frame.
+  if (next_ != *wanted.followed_by || wanted.shown >= most_shown * guard_) return std::nullopt;
+  for (std::size_t skipped = 0; skipped < guard_; ++skipped) {
+    const std::size_t pattern = (wanted.shown + skipped) % guard_;
+    if (wanted.guard[pattern]) continue;
+    wanted.shown += skipped + 1;
+    return pattern;
+  }
+  return std::nullopt;
 }
 
 void SteppedSource::keep_for_guard(const Frame& frame, const Shown& shown) {
-  if (!wanted_) return;
-  WantedGuard& wanted = *wanted_;
-  const std::uint64_t sequence = shown.sequence;
+  std::optional<WantedGuard> done;
+  {
+    const std::lock_guard lock(guard_mutex_);
+    if (!wanted_) return;
+    WantedGuard& wanted = *wanted_;
+    const bool has_begun = wanted.followed_by.has_value();
 
-  if (shown.in_guard) {
-    wanted.guard.push_back(frame);
-  } else if (sequence + cycle_ >= wanted.at && sequence < wanted.at) {
-    wanted.before.push_back(frame);
-  } else if (sequence >= wanted.at && sequence < wanted.at + cycle_) {
-    wanted.after.push_back(frame);
+    if (shown.in_guard) {
+      // Not one of a guard that was cancelled.
+      if (has_begun) wanted.guard[shown.sequence] = frame;
+      return;
+    }
+
+    const bool is_after = has_begun && shown.sequence >= *wanted.followed_by;
+    (is_after ? wanted.after : wanted.before)[shown.sequence % cycle_] = frame;
+    if (are_whole(wanted.after)) done = std::exchange(wanted_, std::nullopt);
   }
-  if (!shown.in_guard && sequence + 1 >= wanted.at + cycle_) end_guard();
+  if (done) end_guard(*std::move(done));
 }
 
-void SteppedSource::end_guard() {
-  const WantedGuard done = *std::exchange(wanted_, std::nullopt);
-  const bool is_whole =
-      done.before.size() == cycle_ && done.guard.size() == guard_ && done.after.size() == cycle_;
+void SteppedSource::end_guard(WantedGuard done) {
+  std::optional<GuardedCycle> guarded;
 
   // Whatever moved between the cycle and its guard would look like a rig that has moved.
-  if (is_whole) {
-    FrameSet before = frame_set_of(done.before);
-    if (is_still(before, frame_set_of(done.after))) {
-      guarded_ = {.cycle = std::move(before), .guard = frame_set_of(done.guard)};
-      return;
+  if (are_whole(done.guard)) {
+    FrameSet before = frame_set_of(frames_of(std::move(done.before)));
+    if (is_still(before, frame_set_of(frames_of(std::move(done.after))))) {
+      guarded = {.cycle = std::move(before),
+                 .guard = frame_set_of(frames_of(std::move(done.guard)))};
     }
   }
 
-  if (done.tries < most_tries) return plan_guard(done.tries + 1);
-  guarded_.emplace();
+  const std::lock_guard lock(guard_mutex_);
+  if (guarded || done.tries == most_tries) {
+    guarded_ = guarded ? std::move(guarded) : GuardedCycle();
+  } else if (!wanted_) {
+    plan_guard(done.tries + 1);
+  }
 }
 
 void SteppedSource::show_next() {
   const std::lock_guard lock(mutex_);  // also until it is known when
 
-  if (wanted_ && next_ == wanted_->at && wanted_->shown < guard_) {
-    const std::size_t pattern = wanted_->shown++;
-    sink_.show(cycle_ + pattern);
-    shown_.push_back({pattern, true, Clock::now()});
+  if (const std::optional<std::size_t> of_guard = next_of_guard()) {
+    sink_.show(cycle_ + *of_guard);
+    shown_.push_back({*of_guard, true, Clock::now()});
     return;
   }
 
@@ -275,6 +318,23 @@ void SteppedSource::run() try {
   failure_ = std::current_exception();
 }
 
+std::optional<SteppedSource::Shown> SteppedSource::shown_alone(Clock::time_point time) {
+  const std::lock_guard lock(mutex_);
+  if (failure_) std::rethrow_exception(failure_);
+
+  // Patterns that were replaced before this frame began to see the next are missed.
+  while (shown_.size() > 1 && shown_[1].time + delay_.begins <= time) {
+    if (!shown_.front().in_guard) ++missed_;
+    shown_.pop_front();
+  }
+
+  // The frame shows one pattern alone once all light of the one before is gone.
+  if (shown_.empty() || shown_.front().time + delay_.ends > time) return std::nullopt;
+  const Shown shown = shown_.front();
+  shown_.pop_front();
+  return shown;
+}
+
 Arrival SteppedSource::next(Frame& frame, milliseconds timeout) {
   if (triggered_) {
     show_next();
@@ -283,27 +343,14 @@ Arrival SteppedSource::next(Frame& frame, milliseconds timeout) {
 
   const Clock::time_point end = Clock::now() + timeout;
   while (const auto time = take(frame, std::max(milliseconds(1), timeout))) {
-    const std::lock_guard lock(mutex_);
-    if (failure_) std::rethrow_exception(failure_);
-
-    // Patterns that were replaced before this frame began to see the next are missed.
-    while (shown_.size() > 1 && shown_[1].time + delay_.begins <= *time) {
-      if (!shown_.front().in_guard) ++missed_;
-      shown_.pop_front();
-    }
-
-    // The frame shows one pattern alone once all light of the one before is gone.
-    if (!shown_.empty() && shown_.front().time + delay_.ends <= *time) {
-      const Shown shown = shown_.front();
-      shown_.pop_front();
-      keep_for_guard(frame, shown);
-
+    if (const std::optional<Shown> shown = shown_alone(*time)) {
+      keep_for_guard(frame, *shown);
       const auto before = std::exchange(came_, *time);
-      if (has_guard() && before && *time > *before + long_pause && !wanted_) plan_guard(1);
-      if (shown.in_guard) return Arrival::nothing;
+      if (before && *time > *before + long_pause) want_guard(true);
+      if (shown->in_guard) return Arrival::nothing;
 
-      frame.stamp.sequence = shown.sequence;
-      frame.stamp.pattern_index = static_cast<int>(shown.sequence % cycle_);
+      frame.stamp.sequence = shown->sequence;
+      frame.stamp.pattern_index = static_cast<int>(shown->sequence % cycle_);
       ++taken_;
       return Arrival::frame;
     }

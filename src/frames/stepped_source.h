@@ -79,12 +79,15 @@ class SteppedSource : public SourceOver {
     Clock::time_point time;
   };
 
+  /// The newest frame of each pattern, if it has come.
+  using Taken = std::vector<std::optional<Frame>>;
+
   /// A guard that is to be taken, with the cycles before and after it.
   struct WantedGuard {
-    std::uint64_t at = 0;   ///< sequence number of the pattern that follows it
-    std::size_t shown = 0;  ///< its patterns that were shown
+    Taken before{}, guard{}, after{};
+    std::optional<std::uint64_t> followed_by{};  ///< sequence number; nullopt: it has not begun
+    std::size_t shown = 0;                       ///< patterns of the guard, also those shown again
     int tries = 1;
-    std::vector<Frame> before{}, guard{}, after{};
   };
 
   /// When the frame would have arrived without delays of this machine, by the camera's clock.
@@ -96,11 +99,15 @@ class SteppedSource : public SourceOver {
   void flash(std::size_t pattern);
   /// Shows the next pattern, of the cycle or of a guard that is due.
   void show_next();
-  /// The caller holds `mutex_`, here and in the next two.
+  /// The pattern of a guard that is due, which then counts as shown; nullopt: the cycle's is due.
+  std::optional<std::size_t> next_of_guard();
+  /// The pattern that a frame of that time shows alone; nullopt if there is none.
+  std::optional<Shown> shown_alone(Clock::time_point time);
+  /// The caller holds `guard_mutex_`.
   void plan_guard(int tries);
   /// Copies a frame that belongs to a wanted guard, and ends that guard with its last frame.
   void keep_for_guard(const Frame& frame, const Shown& shown);
-  void end_guard();
+  void end_guard(WantedGuard done);
   /// Shows patterns to a camera that runs freely.
   void run();
 
@@ -112,11 +119,12 @@ class SteppedSource : public SourceOver {
   nanoseconds clock_offset_{};     ///< host time of a frame minus the camera's
   double light_ = 0, change_ = 0;  ///< mean grey levels, of 255
   Frame frame_;
-  std::optional<Clock::time_point> came_;  ///< the newest frame
-  mutable std::mutex mutex_;  ///< guards sink_ while patterns are shown, and the next five
-  std::deque<Shown> shown_;   ///< without a frame yet
+  std::optional<Clock::time_point> came_;  ///< when the newest frame came
+  std::mutex mutex_;         ///< guards sink_ while patterns are shown, and the next two
+  std::deque<Shown> shown_;  ///< without a frame yet
   std::exception_ptr failure_;
-  std::uint64_t next_ = 0;  ///< sequence number of the next pattern
+  std::uint64_t next_ = 0;          ///< sequence number of the next pattern; of the showing thread
+  mutable std::mutex guard_mutex_;  ///< guards the next two
   std::optional<WantedGuard> wanted_;
   std::optional<GuardedCycle> guarded_;
   std::atomic<std::uint64_t> taken_ = 0, missed_ = 0;

@@ -41,8 +41,10 @@ class Projector : public PatternSink {
       const auto to = i + 1 < history_.size() ? std::min(end, history_[i + 1].first) : end;
       if (to > from) sum += Seconds(to - from).count() * history_[i].second;
     }
-    return sum / Seconds(end - begin).count();
+    return ambient + sum / Seconds(end - begin).count();
   }
+
+  std::atomic<int> ambient = 0;  ///< light of the room, grey levels
 
  private:
   const milliseconds delay_;
@@ -150,6 +152,18 @@ double level_of(const FrameSet& frames, int n) {
   });
 }
 
+void expect_right(const std::optional<GuardedCycle>& taken) {
+  ASSERT_TRUE(taken);
+  ASSERT_EQ(taken->cycle.count(), 4);
+  ASSERT_EQ(taken->guard.count(), 3);
+  for (int n = 0; n < 4; ++n) {
+    EXPECT_NEAR(level_of(taken->cycle, n), patterns()[static_cast<std::size_t>(n)](0, 0), 1);
+  }
+  for (int n = 0; n < 3; ++n) {
+    EXPECT_NEAR(level_of(taken->guard, n), guard_patterns()[static_cast<std::size_t>(n)](0, 0), 1);
+  }
+}
+
 // After the start and on request: its frames, and those of the cycle before, each of one pattern
 // alone; what next() returns is as without it.
 TEST_P(SteppedSources, TakeAGuardBetweenTwoCycles) {
@@ -176,24 +190,39 @@ TEST_P(SteppedSources, TakeAGuardBetweenTwoCycles) {
 
   for (int run = 0; run < 2; ++run) {
     EXPECT_TRUE(source.wants_guard());
-    const std::optional<GuardedCycle> taken = next_guard();
-    ASSERT_TRUE(taken);
-    ASSERT_EQ(taken->cycle.count(), 4);
-    ASSERT_EQ(taken->guard.count(), 3);
-    for (int n = 0; n < 4; ++n) {
-      EXPECT_NEAR(level_of(taken->cycle, n), patterns()[static_cast<std::size_t>(n)](0, 0), 1);
-    }
-    for (int n = 0; n < 3; ++n) {
-      EXPECT_NEAR(level_of(taken->guard, n), guard_patterns()[static_cast<std::size_t>(n)](0, 0),
-                  1);
-    }
-
+    expect_right(next_guard());
     EXPECT_FALSE(source.wants_guard());
+
+    // One that is cancelled while it is shown leaves nothing to the next.
+    source.want_guard(true);
+    for (int i = 0; i < 9; ++i) source.next(frame, milliseconds(2000));
+    source.want_guard(false);
+    EXPECT_FALSE(source.wants_guard());
+    expected = 0;
     source.want_guard(true);
   }
-  source.want_guard(false);
-  EXPECT_FALSE(source.wants_guard());
   source.stop();
+}
+
+// Its light differs by more than noise from each cycle to the next.
+TEST(SteppedSource, TakesNoGuardOfASceneThatChanges) {
+  Projector projector(milliseconds(5));
+  SteppedSource source(projector, std::make_unique<Camera>(projector, Camera::Timing{}), patterns(),
+                       false, guard_patterns());
+  source.start();
+
+  Frame frame(source.format());
+  std::optional<GuardedCycle> taken;
+  for (int i = 0; i < 300 && !taken; ++i) {
+    source.next(frame, milliseconds(2000));
+    projector.ambient = 3 * i;
+    taken = source.take_guard();
+  }
+  source.stop();
+
+  ASSERT_TRUE(taken);
+  EXPECT_EQ(taken->cycle.count(), 0);
+  EXPECT_EQ(taken->guard.count(), 0);
 }
 
 TEST(SteppedSource, SaysThatTheCameraDoesNotSeeTheProjector) {

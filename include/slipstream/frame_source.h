@@ -226,7 +226,7 @@ class FrameSource {
   virtual CameraControls* controls() { return nullptr; }
 };
 
-/// Those of the source's camera; empty if it has no controls.
+/// The temperatures of the source's camera; empty if it has no controls.
 Temperatures temperatures_of(FrameSource& source);
 
 /// A source that wraps another and forwards all other calls to it.

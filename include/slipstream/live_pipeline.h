@@ -208,7 +208,7 @@ struct LiveCloud {
   int motion = 0;                            ///< frames beyond one cycle used for the cloud
   FrameStamp newest;                         ///< the frame that completed the window
 
-  /// Those of both cameras if they were fused.
+  /// The points of both cameras if they were fused.
   [[nodiscard]] const Cloud& points() const { return fused ? fused_points : cloud; }
 };
 

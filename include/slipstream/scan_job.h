@@ -14,6 +14,7 @@
 #include "slipstream/maps.h"
 #include "slipstream/scan.h"
 #include "slipstream/scanner.h"
+#include "slipstream/surface.h"
 
 // From a scan to its results: response, check, reconstruction by one camera or two, comparison of
 // both axes, doubts. The program, the Python module and other programs take this one way.
@@ -122,11 +123,15 @@ struct ScanResult {
   std::optional<EpipolarCheck> epipolar{};  ///< with patterns along both axes
   std::optional<EpipolarCheck> guard{};     ///< with a guard
 
-  /// The points of several cameras as one cloud; null if they are not fused.
+  /// The points of several cameras as one cloud, see fused_points(); null if they are not fused.
   std::shared_ptr<const FusedModel> fused{};
   std::vector<std::size_t> points_of_cameras{};  ///< that were fused
 
   EngineSetup setup{};
+
+  /// The points of cameras that were fused, in one row, with their normals. Throws Error if none
+  /// were.
+  ModelPoints fused_points(const ScanResult& result);
   GammaChoice gamma{};
   /// Findings of the check, then those of the reconstruction; repairs.
   CheckedScan checked{};

@@ -313,7 +313,7 @@ void bind_reconstruct(py::module_& module) {
       Reconstructs a scan like `slipstream reconstruct`.
 
       Checks and refuses wrong frames, and warns of doubts about the points. Two cameras are matched
-      or fused, three or more always fused: then the cloud is one row of points.
+      or fused, three or more always fused: then the cloud is one row of points, without normals.
 
       Args:
           scan (Scan | str | PathLike): frames with their sequence and scanner, or their path.

@@ -322,7 +322,7 @@ class LiveRun {
         findings_.replace(std::move(findings), cloud.newest.sequence);
       }
 
-      // With two cameras, clouds come from the matcher, so the engine's fallback does not matter.
+      // Clouds of two cameras come from elsewhere, so the engine's fallback does not matter.
       std::string backend = engine.used->backend_for(engine.views);
       std::string failure = engine.match || engine.fuse ? "" : engine.used->fallback_reason();
       {

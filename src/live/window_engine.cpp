@@ -220,8 +220,9 @@ ValidityCounts WindowEngine::fuse_cameras(LiveCloud& window) {
   view_window(window.frames, views);
   view_second(window.frames, second_views);
   window.fused.reset();
+  window.fused_points = Cloud();
   window.cloud = Cloud(views.size());
-  not_fused.clear();
+  of_pair.clear();
   if (second_views.size().width == 0) return {};  // no picture has come yet
 
   // 1. The window as a scan.
@@ -233,14 +234,20 @@ ValidityCounts WindowEngine::fuse_cameras(LiveCloud& window) {
 
   // 2. Its points; a camera that is covered for a while does not end the run.
   try {
-    ScanResult result = (*fuse)(std::move(scan));
+    const CheckedJob job = checked_job(std::move(scan), fuse->settings());
+    of_pair = job.checked.findings;
+    ScanResult result = (*fuse)(job);
     window.fused = result.fused;
     window.fused_points = model_points(*result.fused).cloud;
     window.cloud = std::move(result.cloud);
     std::fill_n(result.counts.begin(), static_cast<int>(Validity::low_trust), 0);
+    of_pair = std::move(result.checked.findings);
+    // Few points are usual in a live scene.
+    std::erase_if(of_pair,
+                  [](const Finding& finding) { return finding.kind == FindingKind::few_points; });
     return result.counts;
   } catch (const Error& error) {
-    not_fused = error.what();
+    of_pair.push_back({.kind = FindingKind::few_points, .what = error.what()});
     return {};
   }
 }
@@ -259,7 +266,8 @@ bool WindowEngine::is_due(const LiveCloud& window) const {
 std::vector<Finding> WindowEngine::look(const LiveCloud& window) {
   looked = window.newest.sequence;
   view_window(window.frames, views);
-  if (!match && !fuse) return check(engines.front().merged(views));
+  if (fuse) return of_pair;
+  if (!match) return check(engines.front().merged(views));
 
   // Check the first camera by itself, then the agreement between both cameras.
   const int count = frame_count(engines.front().setup().sequence);
@@ -267,9 +275,6 @@ std::vector<Finding> WindowEngine::look(const LiveCloud& window) {
 
   if (matched.agreement && matched.agreement->phase_shift != 0)
     findings.push_back(wrong_origin(whole.sequence.strategy, matched.agreement->phase_shift));
-  if (!not_fused.empty()) {
-    findings.push_back({.kind = FindingKind::few_points, .what = not_fused});
-  }
 
   return findings;
 }

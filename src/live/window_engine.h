@@ -82,7 +82,7 @@ struct WindowEngine {
   PhaseMatcher::Result matched;       ///< its newest result, without the cloud
   std::optional<ScanJob> fuse;        ///< with a second camera, instead of `match`
   std::optional<Scanner> second;      ///< with `fuse`: this camera
-  std::string not_fused;              ///< why the newest window was not; empty if it was
+  std::vector<Finding> of_pair;       ///< with `fuse`: findings of the newest window
   std::function<std::vector<Finding>(const FrameViews&)> check;
   Image<Colour> colour;                 ///< of the points; empty if unknown
   std::optional<std::uint64_t> looked;  ///< sequence number of the newest frame checked

@@ -47,7 +47,7 @@ ModelQuality quality_of(const FusedModel& model);
 /// The points as a cloud of one row, with their normals; in the model's frame.
 ModelPoints model_points(const FusedModel& model);
 
-/// Moves a model in its camera's frame, as the overload for clouds does.
+/// Moves a model, which is in its camera's frame, into another.
 void move_to_frame(FusedModel& model, const FramePose& pose);
 
 /// Averages the points of all views, each weighted by 1 / sigma^2, one point about every `spacing`

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "base/stopwatch.h"
 #include "base/throw_if-inl.h"
 #include "reconstruct/camera_pair.h"
 #include "reconstruct/coordinate_map.h"
@@ -97,6 +98,8 @@ CheckedJob checked_job(Scan scan, const ScanJobSettings& settings, const std::st
 }
 
 void ScanJob::fuse_cameras(const CheckedJob& job, const std::string& name, ScanResult& result) {
+  Stopwatch watch;
+
   // 1. The points of each camera.
   std::vector<ScanResult> cameras;
   if (job.further.empty()) {
@@ -110,13 +113,25 @@ void ScanJob::fuse_cameras(const CheckedJob& job, const std::string& name, ScanR
     const CheckedJob& further = job.further[i];
     cameras.push_back(further_[i].result_of(further, fmt::format("{}, camera {}", name, i + 2)));
     append(result.checked.findings, cameras.back().checked, i + 2, further.checked.findings.size());
+    result.choosing += further.choosing;
+    result.checking += further.checking;
   }
 
   // 2. All points as one cloud.
   for (const ScanResult& camera : cameras) {
     result.points_of_cameras.push_back(point_count(camera.cloud));
   }
-  result.fused = std::make_shared<const FusedModel>(fused_cameras(cameras));
+  try {
+    result.fused = std::make_shared<const FusedModel>(fused_cameras(cameras));
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", name, error.what()));
+  }
+  result.computing += watch.lap();
+}
+
+ModelPoints fused_points(const ScanResult& result) {
+  throw_if(result.fused == nullptr, "the cameras of this scan were not fused");
+  return model_points(*result.fused);
 }
 
 std::vector<Scan> scans_of_cameras(Scan scan) {

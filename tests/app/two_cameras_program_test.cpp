@@ -87,6 +87,19 @@ TEST_F(TwoCamerasProgram, LiveTellsWhyItDoesNotFuse) {
   EXPECT_FALSE(fs::exists(path("live.ply")));
 }
 
+TEST_F(TwoCamerasProgram, LiveReportsFramesOfTheSecondCameraThatDoNotFit) {
+  const std::string folder = scan({"--strategy", "dual-frequency"});
+  const fs::path second = fs::path(folder) / "second";
+  fs::rename(second / "frame_00.png", second / "kept.png");
+  fs::rename(second / "frame_01.png", second / "frame_00.png");
+  fs::rename(second / "kept.png", second / "frame_01.png");
+
+  const auto live = json_of({"live", "--source", "replay:" + folder, "--second-camera",
+                             "replay:" + second.string(), "--fuse", "--headless"});
+  const std::string findings = live["findings"].dump();
+  EXPECT_NE(findings.find("camera 2"), std::string::npos) << findings;
+}
+
 TEST_F(TwoCamerasProgram, MatchedCamerasRefuseReflection) {
   const std::string folder = scan({"--strategy", "dual-frequency"});
   for (const std::vector<std::string>& arguments :

@@ -128,10 +128,6 @@ struct ScanResult {
   std::vector<std::size_t> points_of_cameras{};  ///< that were fused
 
   EngineSetup setup{};
-
-  /// The points of cameras that were fused, in one row, with their normals. Throws Error if none
-  /// were.
-  ModelPoints fused_points(const ScanResult& result);
   GammaChoice gamma{};
   /// Findings of the check, then those of the reconstruction; repairs.
   CheckedScan checked{};
@@ -142,6 +138,10 @@ struct ScanResult {
   /// Time taken, s; `computing` without the uncertainty.
   double choosing = 0, checking = 0, tables = 0, computing = 0;
 };
+
+/// The points of cameras that were fused, in one row, with their normals, in the first camera's
+/// frame, mm. Throws Error if none were fused.
+ModelPoints fused_points(const ScanResult& result);
 
 /// Reconstructs scans one after another. Keeps the engine's tables from scan to scan as long as the
 /// setup stays the same. For one thread at a time.

@@ -142,6 +142,7 @@ TEST(FusedCamerasSettingsFor, KeepABoxWhereItIs) {
 TEST(FusedCameras, AreMadeByTheScanJobIfAskedFor) {
   const ScanResult alone = reconstruct(scan_of(2, dual));
   EXPECT_EQ(alone.fused, nullptr);
+  expect_error([&] { (void)fused_points(alone); }, {"were not fused"});
 
   // The job's tables serve the next scan.
   ScanJob job({.fuse = true});
@@ -152,6 +153,12 @@ TEST(FusedCameras, AreMadeByTheScanJobIfAskedFor) {
     ASSERT_EQ(result.fused->points.size(), model.points.size());
     EXPECT_EQ(result.fused->points.back().position, model.points.back().position);
     EXPECT_EQ(result.points_of_cameras.size(), 2U);
+
+    const ModelPoints points = fused_points(result);
+    const int last = points.cloud.size().width - 1;
+    EXPECT_EQ(points.cloud.size(), (Size{static_cast<int>(model.points.size()), 1}));
+    EXPECT_EQ(points.cloud.z(last, 0), model.points.back().position.z());
+    EXPECT_EQ(points.normals.z(last, 0), model.points.back().normal.z());
   }
 
   EXPECT_EQ(reconstruct(scan_of(3, dual)).points_of_cameras.size(), 3U);
@@ -160,10 +167,11 @@ TEST(FusedCameras, AreMadeByTheScanJobIfAskedFor) {
 
 TEST(FusedCameras, MoveToAFrame) {
   const FusedModel model = fused_cameras(results_of(2));
-  const FramePose pose{
-      .from = "table",
-      .to = "camera",
-      .transform = Eigen::Isometry3d(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitX()))};
+  const FramePose pose{.from = "table",
+                       .to = "camera",
+                       .transform = Eigen::Translation3d(10, -20, 30) *
+                                    Eigen::Isometry3d(Eigen::AngleAxisd(
+                                        0.3, Eigen::Vector3d(1, 2, 3).normalized()))};
   FusedModel moved = model;
   move_to_frame(moved, pose);
   Cloud cloud = model_points(model).cloud;
@@ -171,9 +179,14 @@ TEST(FusedCameras, MoveToAFrame) {
 
   const Cloud same = model_points(moved).cloud;
   EXPECT_EQ(frame_name(same), "table");
+  EXPECT_NEAR(same.x(0, 0), cloud.x(0, 0), 1e-3);
   EXPECT_NEAR(same.y(0, 0), cloud.y(0, 0), 1e-3);
   EXPECT_NEAR(same.z(0, 0), cloud.z(0, 0), 1e-3);
-  EXPECT_NEAR(moved.points[0].normal.norm(), 1, 1e-5);
+
+  // The pose leads from the table to the camera, so its inverse turns what the camera saw.
+  const Eigen::Vector3d turned =
+      pose.transform.linear().transpose() * model.points[0].normal.cast<double>();
+  EXPECT_LT((moved.points[0].normal.cast<double>() - turned).norm(), 1e-5);
 }
 
 TEST(FusedCameras, AreNotMatchedWhereReflectionIsRejected) {

@@ -26,7 +26,7 @@ constexpr milliseconds slowest{3000};
 constexpr std::chrono::seconds long_pause{5};
 /// Attempts at a guard, in a scene that does not stand still.
 constexpr int most_tries = 4;
-/// A pattern of a guard is shown again, at most so often, if no frame shows it alone.
+/// Showings of a pattern of a guard, on average, until each has a frame that shows it alone.
 constexpr std::size_t most_shown = 4;
 
 /// Mean grey level, of 255.
@@ -77,6 +77,8 @@ void SteppedSource::start() {
     failure_ = nullptr;
     shown_.clear();
   }
+
+  // A guard that was begun before the stop starts over.
   want_guard(false);
   want_guard(true);
 

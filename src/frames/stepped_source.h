@@ -62,10 +62,12 @@ class SteppedSource : public SourceOver {
   }
 
   [[nodiscard]] bool has_guard() const { return guard_ > 0; }
-  /// Whether a guard is to be taken, which needs three cycles. Any thread.
+  /// Whether a guard is still to be taken: after a whole cycle, and compared with the cycle after
+  /// it. Any thread, also the next two.
   [[nodiscard]] bool wants_guard() const;
+  /// Takes a guard at the next chance, or cancels one.
   void want_guard(bool wanted);
-  /// The newest guard, which is returned once. Any thread.
+  /// The newest guard, which is returned once.
   std::optional<GuardedCycle> take_guard();
 
  private:

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "app/commands.h"
+#include "app/joined_recording.h"
 #include "app/scan_flags.h"
 #include "base/numbers.h"
 #include "io/file.h"
@@ -68,50 +69,6 @@ std::uint64_t complete_windows(const RecordingReader& recording, const Sequence&
   }
   return windows;
 }
-
-/// Joins frames of several inputs into one recording; each input starts with a new cycle.
-class JoinedRecording {
- public:
-  JoinedRecording(std::string path, std::size_t inputs) : path_(std::move(path)), inputs_(inputs) {}
-
-  void begin(RecordingHeader header, const std::string& input) {
-    throw_if(
-        writer_ && !(header.format == header_.format && header.sequence == header_.sequence &&
-                     header.scanner == header_.scanner && header.in_colour == header_.in_colour),
-        "{}: camera, strategy or scanner differs from the inputs before it", input);
-
-    throw_if(inputs_ != 1 && header.white.count() != 0,
-             "{}: has a white picture, and a recording holds only one; convert it on its own",
-             input);
-
-    if (!writer_) writer_.emplace(path_, header);
-    header_ = std::move(header);
-
-    // Number of this input's first frame: rounded up to a whole cycle of patterns.
-    const auto cycle =
-        static_cast<std::uint64_t>(header_.sequence ? cycle_length(*header_.sequence) : 1);
-    first_ = (next_ + cycle - 1) / cycle * cycle;
-  }
-
-  void add(Frame& frame) {
-    frame.stamp.sequence += first_;
-    next_ = frame.stamp.sequence + 1;
-    writer_->append(frame);
-  }
-
-  std::uint64_t finish() {
-    throw_if(!writer_ || writer_->count() == 0, "no frames to write");
-    writer_->finish();
-    return writer_->count();
-  }
-
- private:
-  std::string path_;
-  std::size_t inputs_;
-  RecordingHeader header_;
-  std::optional<RecordingWriter> writer_;
-  std::uint64_t first_ = 0, next_ = 0;  ///< frame number in the recording
-};
 
 /// Names the parts of a scan folder that a recording does not hold.
 void warn_of_other_parts(const std::string& path, const ScanChanges& changes, Output& output) {

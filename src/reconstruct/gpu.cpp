@@ -312,7 +312,7 @@ struct GpuRun::Parts {
     runs = true;
   }
 
-  void wait(std::uint64_t longest = 10'000'000'000) {  // ns
+  void wait(std::uint64_t longest) {
     if (!runs) return;
 
     const Gpu::Parts& own = *gpu->parts_;
@@ -345,16 +345,13 @@ struct GpuRun::Parts {
   vk::raii::CommandPool commands{nullptr};
   vk::raii::CommandBuffer command{nullptr};
   vk::raii::Fence done{nullptr};
+  static constexpr std::uint64_t usual_wait = 10'000'000'000;  ///< ns
   bool runs = false;
   Parts* kept_before = nullptr;  ///< see `end`
 
   static void end(Parts* own) {
     try {
-      if (own->gpu->lost_) {
-        own->wait(0);
-      } else {
-        own->wait();
-      }
+      own->wait(own->gpu->lost_ ? 0 : usual_wait);
     } catch (const std::runtime_error&) {
     }
     if (!own->runs) return delete own;
@@ -403,7 +400,7 @@ void GpuRun::start(std::span<const GpuBuffer* const> buffers,
 }
 
 void GpuRun::wait() {
-  driver_call([&] { parts_->wait(); });
+  driver_call([&] { parts_->wait(Parts::usual_wait); });
 }
 
 Gpu::Gpu(int number) {

@@ -323,24 +323,6 @@ void draw_source(const PanelState& state, PanelRequests& requests, const ViewSou
   }
 }
 
-/// Asks whether to close, in the middle of the window.
-void draw_closing(PanelState& state, PanelRequests& requests, const Screen& screen) {
-  if (!state.closing) return;
-
-  ImGui::SetNextWindowPos({0.5F * static_cast<float>(screen.window.width),
-                           0.4F * static_cast<float>(screen.window.height)},
-                          0, {0.5F, 0.5F});
-  constexpr ImGuiWindowFlags question = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
-                                        ImGuiWindowFlags_NoMove | ImGuiWindowFlags_AlwaysAutoResize;
-  if (ImGui::Begin("closing", nullptr, question)) {
-    ImGui::TextUnformatted("Close this window?");
-    requests.close |= ImGui::Button("Close (Enter)");
-    ImGui::SameLine();
-    if (ImGui::Button("Go on (Esc)")) state.closing = false;
-  }
-  ImGui::End();
-}
-
 void place_window(float left, float width, const PanelMargins& margins, const Screen& screen) {
   ImGui::SetNextWindowPos({left, margins.top});
   ImGui::SetNextWindowSize({width, static_cast<float>(screen.window.height) - margins.top});

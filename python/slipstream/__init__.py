@@ -190,7 +190,7 @@ def _show_report(self):
 
 
 def _to_open3d(self):
-    """The points as an open3d.geometry.PointCloud: mm, grey colours, normals.
+    """The points as an open3d.geometry.PointCloud: mm, colours (sRGB from 0 to 1), normals.
 
     Returns:
         Any: open3d.geometry.PointCloud.

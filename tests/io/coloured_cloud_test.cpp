@@ -20,26 +20,6 @@
 namespace slipstream::coloured_cloud_test {
 namespace fs = std::filesystem;
 
-/// The sheet, with another colour at each pixel.
-Cloud coloured_sheet() {
-  Cloud cloud = sheet_cloud();
-  cloud.colour = Image<Colour>(cloud.size());
-  for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
-    cloud.colour(column, row) = {static_cast<std::uint8_t>(10 * column),
-                                 static_cast<std::uint8_t>(15 * row),
-                                 static_cast<std::uint8_t>(255 - 10 * column)};
-  });
-  return cloud;
-}
-
-std::vector<Colour> valid_colours(const Cloud& cloud) {
-  std::vector<Colour> colours;
-  for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
-    if (cloud.validity.begin()[i] == Validity::valid) colours.push_back(cloud.colour.begin()[i]);
-  }
-  return colours;
-}
-
 std::string text_in(const fs::path& path) {
   const std::vector<std::uint8_t> bytes = read_file(path);
   return {bytes.begin(), bytes.end()};
@@ -49,7 +29,7 @@ class ColouredCloud : public testing::Test {
  protected:
   [[nodiscard]] fs::path path(const std::string& name) const { return folder_.path() / name; }
 
-  const Cloud cloud_ = coloured_sheet();
+  const Cloud cloud_ = coloured_sheet_cloud();
 
  private:
   TemporaryFolder folder_;

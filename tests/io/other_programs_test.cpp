@@ -1,6 +1,6 @@
 // Reads written files with other programs; skipped if they are not installed.
-// apt-get install pcl-tools meshlab cloudcompare xvfb nodejs npm; npm install gltf-validator
-// NODE_PATH=node_modules ctest --test-dir build -R OtherProgram -V
+// apt-get install pcl-tools python3-open3d meshlab cloudcompare xvfb nodejs npm; npm install
+// gltf-validator NODE_PATH=node_modules ctest --test-dir build -R OtherProgram -V
 // docs/reference/clouds-and-recordings.md lists the versions that were tested.
 #include <cmath>
 #include <cstdlib>
@@ -53,6 +53,65 @@ TEST_F(OtherPrograms, PclReadsExactlyTheValidPoints) {
     EXPECT_NEAR(read.cloud.z.begin()[at], cloud_.z.begin()[i], 1e-3);
     EXPECT_EQ(read.cloud.intensity.begin()[at], cloud_.intensity.begin()[i]);
     ++at;
+  }
+}
+
+// Colours of .ply and of .pcd go through PCL to a .ply, in which they are bytes again.
+TEST_F(OtherPrograms, PclReadsTheColoursOfThePicture) {
+  if (!has("pcl_ply2pcd")) GTEST_SKIP() << "no pcl_ply2pcd; it is in Debian's pcl-tools";
+  const Cloud coloured = coloured_sheet_cloud();
+  write_cloud(path("from-ply.ply"), coloured);
+  write_cloud(path("from-pcd.pcd"), coloured);
+  ASSERT_TRUE(run("pcl_ply2pcd from-ply.ply from-ply.pcd")) << said();
+
+  for (const std::string name : {"from-ply", "from-pcd"}) {
+    ASSERT_TRUE(run(fmt::format("pcl_pcd2ply -format 0 {}.pcd back.ply", name))) << said();
+    EXPECT_EQ(valid_colours(read_cloud(path("back.ply")).cloud), valid_colours(coloured)) << name;
+  }
+}
+
+// Open3D has colours from 0 to 1: those of clouds and of .obj in sRGB, those of .glb linear.
+TEST_F(OtherPrograms, Open3dReadsTheColoursOfThePicture) {
+  const std::string python = "/usr/bin/python3";
+  if (!run(python + " -c 'import open3d'")) {
+    GTEST_SKIP() << "no Open3D; it is in Debian's python3-open3d";
+  }
+  const Cloud coloured = coloured_sheet_cloud();
+  const Surface surface = surface_of(coloured);
+  ASSERT_FALSE(surface.colour.empty());
+  std::ofstream(path("colours.py")) << R"(
+import sys, numpy, open3d
+numpy.seterr(all="raise")
+name = sys.argv[1]
+if name.startswith("cloud"):
+    colours = open3d.io.read_point_cloud(name, remove_nan_points=True).colors
+else:
+    colours = open3d.io.read_triangle_mesh(name).vertex_colors
+colours = numpy.asarray(colours)
+if name.endswith(".glb"):
+    colours = numpy.where(colours <= 0.0031308, 12.92 * colours,
+                          1.055 * numpy.maximum(colours, 0.001) ** (1 / 2.4) - 0.055)
+for colour in numpy.rint(255 * colours).astype(int):
+    print(*colour)
+)";
+
+  const auto seen_by_open3d = [&](const std::string& name) {
+    std::vector<Colour> colours;
+    EXPECT_TRUE(run(fmt::format("{} colours.py {} >colours.txt", python, name))) << said();
+    std::ifstream file(path("colours.txt"));
+    for (int red, green, blue; file >> red >> green >> blue;) {
+      colours.push_back({static_cast<std::uint8_t>(red), static_cast<std::uint8_t>(green),
+                         static_cast<std::uint8_t>(blue)});
+    }
+    return colours;
+  };
+  for (const std::string name : {"cloud.ply", "cloud.pcd"}) {
+    write_cloud(path(name), coloured);
+    EXPECT_EQ(seen_by_open3d(name), valid_colours(coloured)) << name;
+  }
+  for (const std::string name : {"mesh.ply", "mesh.obj", "mesh.glb"}) {
+    write_surface(path(name), surface);
+    EXPECT_EQ(seen_by_open3d(name), surface.colour) << name;
   }
 }
 

@@ -1,6 +1,9 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include "slipstream/cloud.h"
 
@@ -23,6 +26,27 @@ inline Cloud sheet_cloud() {
     }
   }
   return cloud;
+}
+
+/// The sheet, with another colour at each pixel.
+inline Cloud coloured_sheet_cloud() {
+  Cloud cloud = sheet_cloud();
+  cloud.colour = Image<Colour>(cloud.size());
+  for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
+    cloud.colour(column, row) = {static_cast<std::uint8_t>(10 * column),
+                                 static_cast<std::uint8_t>(15 * row),
+                                 static_cast<std::uint8_t>(255 - 10 * column)};
+  });
+  return cloud;
+}
+
+/// The colours of the valid points, in the order of the picture.
+inline std::vector<Colour> valid_colours(const Cloud& cloud) {
+  std::vector<Colour> colours;
+  for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
+    if (cloud.validity.begin()[i] == Validity::valid) colours.push_back(cloud.colour.begin()[i]);
+  }
+  return colours;
 }
 
 }  // namespace slipstream

@@ -23,8 +23,9 @@ class Chromium:
             os.dup2(write, 4)
 
         self.process = subprocess.Popen(
-            [PROGRAM, "--headless=new", "--no-sandbox", "--remote-debugging-pipe", "--no-first-run",
-             "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars",
+            [PROGRAM, "--headless=new", "--no-sandbox", "--disable-dev-shm-usage",
+             "--remote-debugging-pipe", "--no-first-run", "--use-angle=swiftshader",
+             "--enable-unsafe-swiftshader", "--hide-scrollbars",
              f"--user-data-dir={self.folder.name}"],
             preexec_fn=pipes, close_fds=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(to_read)

@@ -29,47 +29,40 @@ namespace {
 
 constexpr const char* input_help = "a scan folder, a recording or an organised cloud, .pcd";
 
-struct PointsFlags {
-  std::string input;
+/// Flags of every command that finds a frame.
+struct FoundFrameFlags {
+  std::string input, name;
+  ScanChanges changes;
+  PoseOutputFlags output;
+};
+
+struct PointsFlags : FoundFrameFlags {
   std::string pairs;
   std::vector<std::pair<std::string, std::string>> picks;
-  std::string name = "part";
-  ScanChanges changes;
   ScanJobSettings job;
-  PoseOutputFlags output;
 };
 
-struct PlanesFlags {
-  std::string input;
+struct PlanesFlags : FoundFrameFlags {
   std::vector<std::string> planes;
-  std::string name = "part";
-  ScanChanges changes;
   ScanJobSettings job;
-  PoseOutputFlags output;
 };
 
-struct BoardPoseFlags {
-  std::string input;
+struct BoardPoseFlags : FoundFrameFlags {
   BoardFlags board;
-  std::string name = "board";
-  ScanChanges changes;
-  PoseOutputFlags output;
 };
 
-struct MarkerPoseFlags {
-  std::string input;
+struct MarkerPoseFlags : FoundFrameFlags {
   Markers markers = Markers::april_36h11;
   double side = 0;  ///< mm
   std::optional<int> number;
-  std::string name = "marker";
-  ScanChanges changes;
-  PoseOutputFlags output;
 };
 
-FramePose camera_to(const std::string& name, const Eigen::Isometry3d& pose) {
+/// Prints and writes the pose, from the camera to the new frame.
+void put_found(const Eigen::Isometry3d& pose, const FoundFrameFlags& flags, Output& output) {
+  const std::string& name = flags.name;
   require_frame_name(name);
   throw_if(name == camera_frame, "--name {}: this is the name of the camera's frame", name);
-  return {std::string(camera_frame), name, pose};
+  put_pose({std::string(camera_frame), name, pose}, flags.output, output);
 }
 
 /// Points of the camera's frame and their partners in the new one, each with its name.
@@ -127,7 +120,7 @@ void find_by_points(const PointsFlags& flags, Output& output) {
   if (!flags.picks.empty()) pick_points(flags, pairs, output);
   const PointFit fit = fit_points(pairs.points, pairs.partners);
 
-  put_pose(camera_to(flags.name, fit.pose), flags.output, output);
+  put_found(fit.pose, flags, output);
   output.say("residuals of {} points: RMS {:.3f} mm", pairs.points.size(), fit.rms);
   for (std::size_t i = 0; i < pairs.points.size(); ++i) {
     output.say("  {}: {:.3f} mm", pairs.names[i], fit.residuals[i]);
@@ -151,7 +144,7 @@ void find_by_planes(const PlanesFlags& flags, Output& output) {
   }
   const PlaneFrame found = frame_of_planes(planes);
 
-  put_pose(camera_to(flags.name, found.pose), flags.output, output);
+  put_found(found.pose, flags, output);
   for (std::size_t i = 0; i < planes.size(); ++i) {
     output.say("plane {}: residuals of {} points, RMS {:.4f} mm", i + 1, planes[i].residuals.points,
                planes[i].residuals.rms);
@@ -213,7 +206,7 @@ void find_by_board(const BoardPoseFlags& flags, Output& output) {
   }
   const double rms = errors.rms();
 
-  put_pose(camera_to(flags.name, pose.inverse()), flags.output, output);
+  put_found(pose.inverse(), flags, output);
   output.say("board: {} corners found by the {}, RMS {:.3f} pixels", view.places.size(),
              corners->detector, rms);
   output.say("  its x runs along a row, y from row to row, z away from the camera");
@@ -248,7 +241,7 @@ void find_by_marker(const MarkerPoseFlags& flags, Output& output) {
     return marker_pose(flags.markers, marker, flags.side, picture, seen.lens);
   });
 
-  put_pose(camera_to(flags.name, found.pose.inverse()), flags.output, output);
+  put_found(found.pose.inverse(), flags, output);
   const Eigen::Vector3d& off = found.translation_deviation;
   const Eigen::Vector3d turn = found.rotation_deviation / degree;
   output.say("marker {}: {:.3f} pixels RMS along its sides", marker.number, found.rms);
@@ -260,8 +253,11 @@ void find_by_marker(const MarkerPoseFlags& flags, Output& output) {
              "rotation_deviation_degrees", turn);
 }
 
-void add_name_flag(const FlagGroup& group, std::string& name) {
-  group.add("--name", name, "name of the new frame");
+/// Adds --name and the flags of the pose; `usual`: the frame's name by default.
+void add_found_flags(const FlagGroup& group, const char* usual, FoundFrameFlags& flags) {
+  flags.name = usual;
+  group.add("--name", flags.name, "name of the new frame");
+  add_pose_output_flags(group, flags.output);
 }
 
 }  // namespace
@@ -276,8 +272,7 @@ void add_found_frames(const Commands& frame) {
              "100,0,0");
   points.add_file("--pairs", by_points.pairs,
                   "lines of six numbers, mm: x,y,z in the camera's frame, then in the new: .csv");
-  add_name_flag(points, by_points.name);
-  add_pose_output_flags(points, by_points.output);
+  add_found_flags(points, "part", by_points);
   add_cloud_flags(points.app, by_points.changes, by_points.job);
   points.examples(
       {"frame points plate --pick 240,160 0,0,0 --pick 400,160 126.5,0,0 --pick "
@@ -290,8 +285,7 @@ void add_found_frames(const Commands& frame) {
   planes.add("--plane", by_planes.planes,
              "pixel rectangle on a plane, width x height + x + y; three: the first sets z, towards "
              "the camera, the second y, the third the origin");
-  add_name_flag(planes, by_planes.name);
-  add_pose_output_flags(planes, by_planes.output);
+  add_found_flags(planes, "part", by_planes);
   add_cloud_flags(planes.app, by_planes.changes, by_planes.job);
 
   // 3. slipstream frame board
@@ -300,8 +294,7 @@ void add_found_frames(const Commands& frame) {
   required(board.add_file("input", by_board.input,
                           "a scan folder or a recording of the board, or a pose's folder"));
   add_board_flags(board.app, by_board.board);
-  add_name_flag(board, by_board.name);
-  add_pose_output_flags(board, by_board.output);
+  add_found_flags(board, "board", by_board);
   add_input_flags(board.app, by_board.changes);
   board.examples(
       {"frame board boards/board01 --corners 13x9 --spacing 15 --scanner scanner.yaml "
@@ -315,8 +308,7 @@ void add_found_frames(const Commands& frame) {
   marker.add("--number", by_marker.number, "the marker's number, if several are in view");
   marker.add_named("--family", by_marker.markers, markers_named, name_of(by_marker.markers),
                    "36h11, 36h10, 25h9 or 16h5 of AprilTag; 4x4, 5x5, 6x6 or 7x7 of ArUco");
-  add_name_flag(marker, by_marker.name);
-  add_pose_output_flags(marker, by_marker.output);
+  add_found_flags(marker, "marker", by_marker);
   add_input_flags(marker.app, by_marker.changes);
   marker.examples(
       {"frame marker boards/board01 --family 4x4 --number 2 --side 30 --scanner scanner.yaml"});

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "app/calibrate_boards.h"
@@ -109,12 +108,10 @@ void tell_test(const TouchTest& test, const std::string& what, double tolerance,
           : "";
   output.say("mean: {} in the base{}", signed_text_of(test.mean), error);
 
-  const Verdict verdict = verdict_of(test, tolerance);
-  output.say("{}", verdict.words);
   output.add("mean_mm", test.mean, "standard_error_mm", test.standard_error.norm(), "rms_mm",
-             test.rms, "largest_mm", test.largest, "grade", verdict.grade, "verdict",
-             verdict.words);
-  if (verdict.grade == std::string_view("bad")) output.exit_code = 2;
+             test.rms, "largest_mm", test.largest);
+  const auto [grade, words] = verdict_of(test, tolerance);
+  output.tell_verdict(grade, words);
 }
 
 void test_touch(const TouchFlags& flags, Output& output) {
@@ -209,16 +206,17 @@ void test_stitching(const StitchFlags& flags, Output& output) {
       "without that {:.3f} mm remain",
       signed_text_of(offset), found.rotation / degree, found.left_median);
 
-  const bool good = offset.norm() <= flags.tolerance;
-  const std::string verdict =
-      good ? fmt::format("Good: the views meet within {:.3f} mm.", offset.norm())
-           : fmt::format("Calibrate again: the views are {:.3f} mm apart.", offset.norm());
-  output.say("{}", verdict);
   output.add("points", found.points, "median_mm", found.median, "percentile_95_mm",
              found.percentile_95, "offset_mm", offset, "rotation_degrees", found.rotation / degree,
-             "left_median_mm", found.left_median, "grade", good ? "good" : "bad", "verdict",
-             verdict);
-  if (!good) output.exit_code = 2;
+             "left_median_mm", found.left_median);
+
+  if (offset.norm() <= flags.tolerance) {
+    output.tell_verdict("good",
+                        fmt::format("Good: the views meet within {:.3f} mm.", offset.norm()));
+  } else {
+    output.tell_verdict(
+        "bad", fmt::format("Calibrate again: the views are {:.3f} mm apart.", offset.norm()));
+  }
 }
 
 /// `touched`: help of the robot's poses.

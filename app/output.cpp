@@ -94,6 +94,12 @@ nlohmann::json document_with_flags(nlohmann::json document) {
   return document;
 }
 
+void Output::tell_verdict(std::string_view grade, const std::string& words) {
+  say("{}", words);
+  add("grade", grade, "verdict", words);
+  if (grade == "bad") exit_code = 2;
+}
+
 void Output::finish() {
   if (json_) {  // file names need not be UTF-8
     write_line(stdout, document_with_flags(document).dump(

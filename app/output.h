@@ -211,6 +211,9 @@ class Output {
     object("files")[name] = path;
   }
 
+  /// Prints a test's verdict and adds it as `grade` and `verdict`; sets the exit code 2 if "bad".
+  void tell_verdict(std::string_view grade, const std::string& words);
+
   /// The program's exit code; 2 if a check failed.
   int exit_code = 0;
 

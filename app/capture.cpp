@@ -194,8 +194,11 @@ void take_scan(const CaptureFlags& flags, const CaptureRig& rig, Output& output)
 
   // 3. Save the frames as taken: only unmerged grey frames can be saved in the repaired order.
   if (!several && !opened.in_colour && !is_raw) scan = whole;  // its frames are in order
-  ScanFiles files = save_scan(flags.output, scan.frames, scan.sequence, scan.scanner, std::nullopt,
-                              opened.in_colour, opened.white, temperatures_of(*opened.frames));
+  ScanFiles files = save_scan(flags.output, scan.frames, scan.sequence,
+                              {.scanner = scan.scanner,
+                               .in_colour = opened.in_colour,
+                               .white = opened.white,
+                               .temperatures = temperatures_of(*opened.frames)});
   if (is_raw) {
     files.mosaic = mosaic;
     write_scan_files(files.path / "scan.yaml", files);
@@ -323,6 +326,15 @@ std::vector<FrameSet> still_frames(const CaptureRig& rig, Output& output) {
                                      opened.scanner_name, patience));
 }
 
+void add_monitor_flags(const FlagGroup& command, CaptureFlags& flags) {
+  command.add("--monitor", flags.monitor,
+              "show the patterns on this monitor, numbered as in `project --list`; default: the "
+              "projector loops them by itself");
+  command.add("--settle", flags.settle,
+              "with --monitor: delay from showing a pattern to taking its frame, ms");
+  command.add("--rate", flags.source.rate, "frames per second of a free-running camera");
+}
+
 void add_capture(const Commands& program) {
   const auto [command, flags] =
       program.add(capture, "capture",
@@ -335,14 +347,10 @@ void add_capture(const Commands& program) {
       output_folder_type));
 
   required(command.add("--source", source.source, source_forms()));
-  command.add("--monitor", flags.monitor,
-              "show the patterns on this monitor, numbered as in `project --list`; default: the "
-              "projector loops them by itself");
+  add_monitor_flags(command, flags);
   command.add("--no-guard", flags.no_guard,
               "with --monitor: do not take the guard, six frames along the other axis by which "
               "reconstruct and check see whether the rig has moved since calibration");
-  command.add("--settle", flags.settle,
-              "with --monitor: delay from showing a pattern to taking its frame, ms");
 
   command
       .add("--poses", flags.poses,
@@ -372,7 +380,6 @@ void add_capture(const Commands& program) {
   command.add("--size", flags.size, "size of the guide window, pixels");
   command.add_output("--screenshot", flags.screenshot, "final picture of the guide window: .png");
 
-  command.add("--rate", source.rate, "frames per second of a free-running camera");
   command.add_file("--scanner", source.scanner, "scanner file to store with the scan");
 
   add_board_flags(command.app, flags.board);

@@ -38,6 +38,9 @@ struct CaptureRig {
   std::optional<Sequence> guard{};  ///< taken after each scan
 };
 
+/// Adds --monitor, --settle and --rate.
+void add_monitor_flags(const FlagGroup& command, CaptureFlags& flags);
+
 /// Opens projector and camera, and begins. Throws like these. `turn`: of the virtual turntable,
 /// degrees.
 CaptureRig open_rig(const CaptureFlags& flags, Output& output, double turn = 0);

@@ -185,8 +185,10 @@ void convert_to_folders(const std::vector<std::string>& recordings, const std::s
 
       Sequence shown = sequence;
       shown.marker = false;
-      save_scan(made, *frames, shown, scanner, std::nullopt, recording.header().in_colour,
-                recording.header().white);
+      save_scan(made, *frames, shown,
+                {.scanner = scanner,
+                 .in_colour = recording.header().in_colour,
+                 .white = recording.header().white});
     }
   }
 

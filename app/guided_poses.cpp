@@ -63,8 +63,8 @@ std::string take_poses(const CaptureFlags& flags, const CaptureRig& rig,
   };
 
   const auto save = [&opened](const fs::path& folder, const Scan& scan) {
-    save_scan(folder, scan.frames, scan.sequence, std::nullopt, std::nullopt, false, {},
-              temperatures_of(*opened.frames));
+    save_scan(folder, scan.frames, scan.sequence,
+              {.temperatures = temperatures_of(*opened.frames)});
   };
 
   // 1. Take poses until there are enough or the user stops.

@@ -199,7 +199,7 @@ std::string save_in_new_folder(const FrameViews& frames, const EngineSetup& setu
   if (!has_geometry(setup.scanner)) {
     require_as_taken(sequence.strategy);
     const fs::path folder = make_new_folder();
-    save_scan(folder, frames, sequence, std::nullopt);
+    save_scan(folder, frames, sequence);
     return folder.string();
   }
 
@@ -209,7 +209,7 @@ std::string save_in_new_folder(const FrameViews& frames, const EngineSetup& setu
   const fs::path folder = make_new_folder();
 
   // Merged exposures are not frames as taken, so they are left out.
-  if (!frames.merged()) save_scan(folder, frames, sequence, setup.scanner);
+  if (!frames.merged()) save_scan(folder, frames, sequence, {.scanner = setup.scanner});
   write_results({.cloud = folder / "cloud.ply",
                  .depth = folder / "depth.tiff",
                  .coordinate = folder / "coordinate.tiff",

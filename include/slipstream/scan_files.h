@@ -149,17 +149,22 @@ Scan load_scan(const std::filesystem::path& path, const ScanChanges& changes = {
 std::vector<BoardScans> board_scans(const std::filesystem::path& folder, const ScanChanges& changes,
                                     Axis first_axis);
 
+/// What a saved scan holds beside its frames and their sequence.
+struct SavedParts {
+  std::optional<Scanner> scanner{};                     ///< for its scanner.yaml
+  std::optional<std::filesystem::path> scanner_file{};  ///< an existing file, instead of `scanner`
+
+  bool in_colour = false;       ///< three frames per picture, see colour_channels.h
+  FrameSet white{};             ///< in colour: channels of a white picture; may be empty
+  Temperatures temperatures{};  ///< of the camera
+};
+
 /// Writes a scan to a folder, instead of one that is there: frames as frame_00.png and so on (.tiff
-/// if unquantised), scan.yaml, and scanner.yaml if the scanner is known, or a reference to the
-/// existing `scanner_file`. If the path ends in .slip, writes a recording of one cycle.
-/// `in_colour`: three frames per picture, see colour_channels.h, plus a white picture if given.
-/// Returns the files.
+/// if unquantised), scan.yaml, and scanner.yaml if the scanner is known, or a reference to its
+/// existing file. If the path ends in .slip, writes a recording of one cycle. Returns the files.
 /// Throws Error for a recording of unquantised frames, and as require_as_taken, before writing.
 ScanFiles save_scan(const std::filesystem::path& path, const FrameViews& frames,
-                    const Sequence& sequence, const std::optional<Scanner>& scanner,
-                    const std::optional<std::filesystem::path>& scanner_file = std::nullopt,
-                    bool in_colour = false, const FrameSet& white = {},
-                    const Temperatures& temperatures = {});
+                    const Sequence& sequence, const SavedParts& parts = {});
 
 /// Writes a guard into the folder of a saved scan, as a scan of its own in guard/, and names it in
 /// the scan's scan.yaml.

@@ -152,7 +152,7 @@ void save(const Scan& scan, const fs::path& path) {
            "{}: a recording holds no guard; save the scan to a folder", path.string());
 
   const auto [frames, sequence] = as_shown(scan);
-  ScanFiles files = save_scan(path, frames, sequence, scan.scanner);
+  ScanFiles files = save_scan(path, frames, sequence, {.scanner = scan.scanner});
   if (!scan.guard.empty()) {
     save_guard(files, scan.guard.front().frames, scan.guard.front().sequence);
   }

@@ -358,9 +358,8 @@ std::vector<BoardScans> board_scans(const fs::path& folder, const ScanChanges& c
 }
 
 ScanFiles save_scan(const fs::path& path, const FrameViews& frames, const Sequence& sequence,
-                    const std::optional<Scanner>& scanner,
-                    const std::optional<fs::path>& scanner_file, bool in_colour,
-                    const FrameSet& white, const Temperatures& temperatures) {
+                    const SavedParts& parts) {
+  const auto& [scanner, scanner_file, in_colour, white, temperatures] = parts;
   require_as_taken(sequence.strategy);
   if (in_colour) require_in_colour(sequence, path.string());
 
@@ -414,7 +413,7 @@ ScanFiles save_scan(const fs::path& path, const FrameViews& frames, const Sequen
 
 void save_guard(ScanFiles& scan, const FrameViews& frames, const Sequence& guard) {
   scan.guard = scan.path / "guard";
-  save_scan(*scan.guard, frames, guard, std::nullopt, scan.scanner);
+  save_scan(*scan.guard, frames, guard, {.scanner_file = scan.scanner});
   write_scan_files(scan.path / "scan.yaml", scan);
 }
 

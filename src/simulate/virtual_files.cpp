@@ -44,8 +44,9 @@ Mesh read_mesh(const std::filesystem::path& path) {
 
 ScanFiles save_virtual_scan(const fs::path& path, const Sequence& sequence,
                             const VirtualWorld& world, const VirtualScan& taken) {
-  ScanFiles files = save_scan(path, taken.frames, sequence, as_calibrated(world), std::nullopt,
-                              taken.in_colour, taken.white);
+  ScanFiles files = save_scan(
+      path, taken.frames, sequence,
+      {.scanner = as_calibrated(world), .in_colour = taken.in_colour, .white = taken.white});
   if (is_recording(path)) return files;
 
   const fs::path truth = path / "truth";
@@ -76,7 +77,8 @@ std::vector<std::string> save_board_scans(const fs::path& folder, const Sequence
       const Sequence of_axis = along(sequence, axis);
       const FrameSet frames =
           take_scan(world.scanner, {sheet}, pattern_set(of_axis), photometry).frames;
-      save_scan(folder / names.back() / name_of(axis), frames, of_axis, std::nullopt, scanner_file);
+      save_scan(folder / names.back() / name_of(axis), frames, of_axis,
+                {.scanner_file = scanner_file});
       ++photometry.seed;
     }
     saved();

@@ -179,7 +179,7 @@ TEST(PoseGuide, GuidedPosesTakesGoodOnesAndWritesWhatCalibrateReads) {
   GuidedPosesSettings settings;
   settings.wanted = 3;
   settings.save = [](const fs::path& path, const Scan& scan) {
-    save_scan(path, scan.frames, scan.sequence, std::nullopt);
+    save_scan(path, scan.frames, scan.sequence);
   };
   std::vector<PoseState> told;
   settings.on_progress = [&](const PoseProgress& progress) {

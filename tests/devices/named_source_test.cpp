@@ -54,7 +54,7 @@ TEST(NamedSource, OpenSourceReplayedFolderSaysWhatItShowsUnlessToldOtherwise) {
   const VirtualWorld world = some_world();
   const Sequence sequence{.strategy = four_steps, .projector = world.scanner.projector.size};
   save_scan(folder.path(), take_scan(world.scanner, world.scene, pattern_set(sequence)).frames,
-            sequence, world.scanner);
+            sequence, {.scanner = world.scanner});
   SourceRequest request{.source = "replay:" + folder.path().string()};
   EXPECT_EQ(open_source(request).sequence, sequence);
   EXPECT_EQ(open_source(request).scanner, world.scanner);

@@ -55,7 +55,7 @@ TEST(SavedScan, KeepsTheTemperaturesOfTheCamera) {
   const Temperatures measured{{"Mainboard", 38}, {"Sensor", 41.5}};
   for (const char* const name : {"scan", "scan.slip"}) {
     const fs::path path = folder.path() / name;
-    save_scan(path, some_scan().frames, sequence, std::nullopt, std::nullopt, false, {}, measured);
+    save_scan(path, some_scan().frames, sequence, {.temperatures = measured});
     EXPECT_EQ(scan_files_in(path).temperatures, measured) << name;
   }
 
@@ -77,7 +77,7 @@ TEST(SavedScan, OfACameraThatJoinsPixelsSinceTheCalibrationHasItsLens) {
   calibrated.camera.residual = {
       .centre = {47.5, 35.5}, .half = {48, 36}, .terms = {{0.1, -0.2}, {0.3, 0.1}, {-0.2, 0.4}}};
 
-  save_scan(folder.path() / "scan", some_scan().frames, sequence, std::nullopt);
+  save_scan(folder.path() / "scan", some_scan().frames, sequence);
   const fs::path file = folder.path() / "larger.yaml";
   write_scanner(file, calibrated);
 
@@ -102,7 +102,7 @@ TEST(SavedScan, HasAGuardOfTheChannelThatIsChosen) {
   const Sequence guard = guard_sequence(sequence);
   const FrameSet frames =
       take_scan(scanner, scene_named("sphere", scanner), pattern_set(guard), {}).frames;
-  ScanFiles files = save_scan(path, some_scan().frames, sequence, scanner);
+  ScanFiles files = save_scan(path, some_scan().frames, sequence, {.scanner = scanner});
   save_guard(files, frames, guard);
 
   int n = 0;
@@ -123,7 +123,7 @@ TEST(SavedScan, ComesBackWhole) {
        {std::optional(8), std::optional(12), std::optional<int>()}) {
     const TemporaryFolder folder;
     const FrameSet frames = some_scan(bits).frames;
-    save_scan(folder.path() / "scan", frames, sequence, scanner);
+    save_scan(folder.path() / "scan", frames, sequence, {.scanner = scanner});
     const Scan read = load_scan(folder.path() / "scan");
     EXPECT_EQ(read.sequence, sequence);
     EXPECT_EQ(read.scanner, scanner);
@@ -177,7 +177,7 @@ TEST(SavedScan, MayBeAnyWindowOfARecording) {
 
 TEST(SavedScan, MayHaveNoScannerButGivesNoCloudThen) {
   const TemporaryFolder folder;
-  save_scan(folder.path(), some_scan().frames, sequence, std::nullopt);
+  save_scan(folder.path(), some_scan().frames, sequence);
   const Scan read = load_scan(folder.path());
   EXPECT_FALSE(read.scanner);
   expect_error([&] { (void)cloud_of(read); }, {"scanner"});
@@ -186,16 +186,17 @@ TEST(SavedScan, MayHaveNoScannerButGivesNoCloudThen) {
 TEST(SavedScan, IsNotWrittenOfFramesThatWereTakenApart) {
   const TemporaryFolder folder;
   const Sequence read{.strategy = make_strategy("fourier", {}).read_as()};
-  expect_error([&] { save_scan(folder.path() / "scan", some_scan().frames, read, scanner); },
-               {"fourier", "as captured"});
+  expect_error(
+      [&] { save_scan(folder.path() / "scan", some_scan().frames, read, {.scanner = scanner}); },
+      {"fourier", "as captured"});
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "scan"));
 }
 
 TEST(SavedScan, HasTheSecondCamerasScanWithIt) {
   const TemporaryFolder folder;
   const FrameSet frames = some_scan().frames;
-  ScanFiles files = save_scan(folder.path(), frames, sequence, scanner);
-  save_scan(folder.path() / "second", frames, sequence, scanner);
+  ScanFiles files = save_scan(folder.path(), frames, sequence, {.scanner = scanner});
+  save_scan(folder.path() / "second", frames, sequence, {.scanner = scanner});
   files.further_cameras = {folder.path() / "second"};
   write_scan_files(folder.path() / "scan.yaml", files);
   const Scan read = load_scan(folder.path());
@@ -204,7 +205,7 @@ TEST(SavedScan, HasTheSecondCamerasScanWithIt) {
   expect_same_frames(read.further_cameras[0].frames, frames);
 
   const Sequence other{.strategy = PhaseMeasuring{.steps = 4, .frequency = 2}};
-  save_scan(folder.path() / "second", frames, other, scanner);
+  save_scan(folder.path() / "second", frames, other, {.scanner = scanner});
   expect_error([&] { (void)load_scan(folder.path()); }, {"second", "sequence differs"});
 }
 
@@ -222,7 +223,7 @@ TEST(SavedScan, InColourIsTheSameFromARecording) {
       std::vector<Scan> read;
       for (const char* const name : {"scan", "scan.slip"}) {
         const fs::path path = folder.path() / name;
-        save_scan(path, taken.frames, shown, known, std::nullopt, true, white);
+        save_scan(path, taken.frames, shown, {.scanner = known, .in_colour = true, .white = white});
         read.push_back(load_scan(path));
         EXPECT_EQ(read.back().warnings.size(), white.count() == 0 ? 1U : 0U);
         const Scan apart{.frames = unmixed(taken.frames, usual_mixture, white), .sequence = shown};
@@ -244,7 +245,7 @@ TEST(SavedScan, InColourIsTheSameFromARecording) {
 TEST(SavedScan, IsRefusedWhereItDoesNotFitTogether) {
   const TemporaryFolder folder;
   const FrameSet frames = some_scan().frames;
-  const ScanFiles files = save_scan(folder.path(), frames, sequence, scanner);
+  const ScanFiles files = save_scan(folder.path(), frames, sequence, {.scanner = scanner});
   ScanFiles fewer = files;
   fewer.frames.pop_back();
   expect_error([&] { (void)load_scan(fewer); }, {folder.path().string(), "3 frames", "has 4"});
@@ -257,7 +258,7 @@ TEST(SavedScan, IsRefusedWhereItDoesNotFitTogether) {
 TEST(SavedScan, IsComparedWithTheTruthBesideIt) {
   const TemporaryFolder folder;
   const VirtualScan scan = some_scan(std::nullopt);
-  save_scan(folder.path(), scan.frames, sequence, scanner);
+  save_scan(folder.path(), scan.frames, sequence, {.scanner = scanner});
   const Cloud cloud = cloud_of(load_scan(folder.path()));
   EXPECT_FALSE(error_against_truth(folder.path(), cloud));
   fs::create_directory(folder.path() / "truth");

@@ -161,7 +161,7 @@ TEST_F(ScanPictures, APoseOfTheBoardMayBeInColour) {
   for (const Axis axis : {Axis::x, Axis::y}) {
     save_scan(folder() / name_of(axis), frames_of(strategy, axis),
               {.strategy = strategy, .axis = axis, .projector = scanner.projector.size},
-              std::nullopt, std::nullopt, true);
+              {.in_colour = true});
   }
 
   const auto poses = board_scans(folder(), {}, Axis::x);

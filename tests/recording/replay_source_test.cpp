@@ -185,7 +185,7 @@ FrameSet write_scan(const fs::path& folder, const Scanner& scanner, const Strate
   FrameSet frames = take_scan(scanner, scene_named("statue", scanner),
                               pattern_set(strategy, Axis::x), {.bits = bits})
                         .frames;
-  save_scan(folder, frames, {.strategy = strategy}, scanner);
+  save_scan(folder, frames, {.strategy = strategy}, {.scanner = scanner});
   return frames;
 }
 
@@ -229,7 +229,8 @@ TEST(ReplaySource, GivesTheChannelsOfPicturesInColourFromAFolderAndFromItsRecord
   scanner.photometry.colour_mixture = usual_mixture;
   for (const char* const name : {"scan", "scan.slip"}) {
     const fs::path path = folder.path() / name;
-    save_scan(path, taken.frames, {.strategy = strategy}, scanner, std::nullopt, true, taken.white);
+    save_scan(path, taken.frames, {.strategy = strategy},
+              {.scanner = scanner, .in_colour = true, .white = taken.white});
     ReplaySource source(path, {.rate = 0});
     EXPECT_TRUE(source.header().in_colour);
     EXPECT_EQ(source.header().scanner, scanner);
@@ -305,7 +306,7 @@ TEST(ReplaySource, SaysThatItLeavesOutTheOtherAxisOfAScanFolder) {
   sequence.both_axes = true;
   const Scene scene = scene_named("board", scanner);
   save_scan(folder.path(), take_scan(scanner, scene, pattern_set(sequence)).frames, sequence,
-            scanner);
+            {.scanner = scanner});
 
   const ReplaySource source(folder.path(), {});
   EXPECT_EQ(frame_count(source.header().sequence.value()), 3);

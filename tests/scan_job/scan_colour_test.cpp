@@ -43,7 +43,7 @@ class ScanColour : public testing::Test {
   ScanColour() {
     const VirtualScan grey =
         take_scan(scanner, scene_named("sphere", scanner), pattern_set(sequence), {.bits = 8});
-    files_ = save_scan(path(), grey.frames, sequence, scanner);
+    files_ = save_scan(path(), grey.frames, sequence, {.scanner = scanner});
     grey.frames.visit([&](const auto& views) {
       for (const auto& view : views) {
         Image<double>& frame = frames_.emplace_back(view.size());
@@ -133,7 +133,7 @@ TEST_F(ScanColour, IsOfTheShortestExposureWhereverItStands) {
   const VirtualScan grey =
       take_scan(scanner, scene_named("sphere", scanner), pattern_set(bracket), {.bits = 8});
   const fs::path folder = folder_.path() / "bracket";
-  const ScanFiles files = save_scan(folder, grey.frames, bracket, scanner);
+  const ScanFiles files = save_scan(folder, grey.frames, bracket, {.scanner = scanner});
   ASSERT_EQ(files.frames.size(), 12U);
   for (std::size_t i = 0; i < files.frames.size(); ++i) {
     write_image(files.frames[i], painted(i % 4, bracket.exposures[i / 4]));

@@ -292,7 +292,9 @@ void set_facts(const std::string& path, const VerifyFlags& flags, Test& test, Ou
                 flags.changes.scanner.value_or((fs::path(path) / "scanner.yaml").string()));
   }
   test.facts.emplace_back("patterns", label_of(scan.sequence.strategy));
-  add_temperatures(test.facts, scan_files_in(path, flags.changes));
+  for (const auto& [part, celsius] : scan_files_in(path, flags.changes).temperatures) {
+    add_temperature(test.facts, part, celsius, celsius);
+  }
   test.budget = budget_of(std::move(scan), flags.job, path);
 }
 

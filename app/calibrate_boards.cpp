@@ -13,6 +13,7 @@
 
 #include "app/calibrate_repeat.h"
 #include "app/flag_names.h"
+#include "app/report_facts.h"
 #include "app/scan_flags.h"
 #include "calibrate/board_view.h"
 #include "calibrate/report.h"
@@ -284,8 +285,7 @@ Facts temperatures_in(const fs::path& folder, const BoardViews& views) {
   Facts facts;
   for (const auto& [part, celsius] : known) {
     const auto [least, most] = std::ranges::minmax(celsius);
-    facts.emplace_back("temperature of the camera, " + part,
-                       fmt::format("{:g} to {:g} degrees Celsius", least, most));
+    add_temperature(facts, part, least, most);
   }
   return facts;
 }

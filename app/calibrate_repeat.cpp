@@ -8,7 +8,6 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -217,8 +216,7 @@ void write_report(const RepeatFlags& flags, const DepthSeries& series, const Dri
     facts.emplace_back("noise of a scan's mean", fmt::format("{:.4f} mm", found.depth->noise));
   }
   for (const auto& [part, line] : temperatures) {
-    facts.emplace_back("temperature, " + part,
-                       fmt::format("{:g} to {:g} degrees Celsius", line.y.front(), line.y.back()));
+    add_temperature(facts, part, line.y.front(), line.y.back());
   }
   page.facts(facts);
 
@@ -252,16 +250,14 @@ void verify_over_time(const RepeatFlags& flags, Output& output) {
     output.add_to("scans", "minutes", series.mean.x[i], "depth_change_mm", series.mean.y[i],
                   "uneven_mm", series.uneven.y[i], "temperatures_celsius", series.temperatures[i]);
   }
-  output.add("failed_scans", series.failed, "grade", found.answer.grade, "verdict",
-             found.answer.words);
-  if (found.answer.grade == std::string_view("bad")) output.exit_code = 2;
+  output.add("failed_scans", series.failed);
   if (found.depth) {
     output.add("depth_change_mm", found.depth->level, "band_mm", found.depth->band, "noise_mm",
                found.depth->noise);
     output.document["steady_after_minutes"] = as_json(found.depth->since);
   }
 
-  output.say("{}", found.answer.words);
+  output.tell_verdict(found.answer.grade, found.answer.words);
   if (flags.report) write_report(flags, series, found, scene.result(), output);
 }
 
@@ -277,17 +273,10 @@ void add_repeat_flags(const FlagGroup& command, RepeatFlags& flags) {
 
   // 1. The flags of the scans.
   repeat->needs(command.add("--source", source.source, source_forms()));
-  CLI::Option* const monitor =
-      command.add("--monitor", flags.capture.monitor,
-                  "show the patterns on this monitor, see `project --list`; default: the projector "
-                  "loops them by itself");
-  command
-      .add("--settle", flags.capture.settle,
-           "with --monitor: delay from showing a pattern to taking its frame, ms")
-      ->needs(monitor);
+  add_monitor_flags(command, flags.capture);
+  command.app.get_option("--settle")->needs("--monitor");
   command.add("--marker", source.sequence.marker,
               "each cycle ends with a dark frame, as by `project --marker`");
-  command.add("--rate", source.rate, "frames per second of a free-running camera");
   command.add_output("--report", flags.report, "folder for a report with a plot of depth over time",
                      output_folder_type);
   add_camera_flags(command.app, source.camera);

@@ -9,7 +9,6 @@
 #include <fmt/chrono.h>
 
 #include "io/file.h"
-#include "slipstream/scan_files.h"
 #include "slipstream/scan_job.h"
 #include "slipstream/scanner.h"
 
@@ -39,11 +38,10 @@ void add_scanner(Facts& facts, const Scanner& scanner, const fs::path& file) {
   }
 }
 
-void add_temperatures(Facts& facts, const ScanFiles& scan) {
-  for (const auto& [part, celsius] : scan.temperatures) {
-    facts.emplace_back("temperature of the camera, " + part,
-                       fmt::format("{:g} degrees Celsius", celsius));
-  }
+void add_temperature(Facts& facts, const std::string& part, double from, double to) {
+  const std::string range = from == to ? "" : fmt::format(" to {:g}", to);
+  facts.emplace_back("temperature of the camera, " + part,
+                     fmt::format("{:g}{} degrees Celsius", from, range));
 }
 
 Facts facts_of(const ErrorBudget& budget) {

@@ -8,7 +8,6 @@
 
 namespace slipstream {
 struct ErrorBudget;
-struct ScanFiles;
 struct Scanner;
 }  // namespace slipstream
 
@@ -21,8 +20,8 @@ Facts facts_of_run(const Output& output);
 /// it was calibrated.
 void add_scanner(Facts& facts, const Scanner& scanner, const std::filesystem::path& file);
 
-/// Adds the temperatures of a scan's camera, if known.
-void add_temperatures(Facts& facts, const ScanFiles& scan);
+/// Adds the temperature of a part of the camera, degrees Celsius, and how far it went.
+void add_temperature(Facts& facts, const std::string& part, double from, double to);
 
 /// An error budget, a row for each source and the total: its size, a bar and how it was found.
 Facts facts_of(const ErrorBudget& budget);

@@ -295,7 +295,7 @@ AddCommand add_assist, add_batch, add_bench, add_calibrate, add_camera, add_capt
     add_measure, add_merge, add_patterns, add_project, add_reconstruct, add_record, add_reproduce,
     add_serve, add_simulate, add_studio, add_unwrap, add_verify, add_view;
 
-// Those of `calibrate`, and those of `frame` that find a pose in a scan.
+// The commands of `calibrate`, and those of `frame` that find a pose in a scan.
 AddCommand add_calibrate_ambient, add_calibrate_board, add_calibrate_colour, add_calibrate_gamma,
     add_calibrate_geometry, add_calibrate_hand_eye, add_calibrate_height, add_calibrate_noise,
     add_calibrate_points, add_calibrate_projection, add_calibrate_residual, add_calibrate_stitch,

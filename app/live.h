@@ -28,7 +28,7 @@ struct LiveFlags {
   std::vector<std::string> publish;
   ViewFlags view;
 
-  // Of serve:
+  // Only for `serve`:
   bool new_files = false;            ///< replaces no file; see LiveSession::file_to_write
   const Command* command = nullptr;  ///< which read these flags
   std::function<void()> begun;       ///< called once sinks are open and frames are taken

@@ -33,7 +33,7 @@ struct CamerasSettings {
   bool hold_cameras = false, hold_projector = false;  ///< fix the lenses
   bool hold_rig = false;                              ///< fixes CamerasState::rig
   std::optional<double> print_deviation{};            ///< mm; nullopt fixes the places
-  /// Of each camera; empty: estimated, in three rounds.
+  /// A value per camera; empty: estimated, in three rounds.
   std::vector<PixelDeviations> pixel_deviations{};
 };
 

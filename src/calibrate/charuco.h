@@ -40,7 +40,7 @@ inline cv::aruco::ArucoDetector detector_of(int dictionary) {
   return cv::aruco::ArucoDetector{cv::aruco::getPredefinedDictionary(dictionary), parameters};
 }
 
-/// Of the board's markers. OpenCV's own ChArUco boards changed their pattern in 4.6.
+/// Detects the board's markers. OpenCV's own ChArUco boards changed their pattern in 4.6.
 inline cv::aruco::ArucoDetector marker_detector(const CalibrationBoard& board) {
   return detector_of(cv::aruco::DICT_4X4_1000 + 4 * (board.marker_bits - 4));  // 4 of each size
 }

@@ -142,7 +142,7 @@ void add_lens(std::vector<Finding>& findings, const GeometryCalibration& calibra
                       .remedies = {{wanted_tilts(calibration.state.poses)}}});
 }
 
-/// Of at least one board: the focal lengths are uncertain below.
+/// At least one board needs this tilt: below it the focal lengths are uncertain.
 constexpr double least_tilt = 15 * degree;
 
 void add_poses(std::vector<Finding>& findings, const GeometryCalibration& calibration,
@@ -276,7 +276,7 @@ void add_worst_pose(std::vector<Finding>& findings, const GeometryCalibration& c
   findings.back().evidence.push_back({"RMS of all", calibration.rms.stereo, "px"});
 }
 
-/// Of the squared error, by a second rig: without movement it is 1.01 to 1.05.
+/// Factor by which a second rig reduces the squared error: without movement 1.01 to 1.05.
 constexpr double least_gain = 1.3;
 
 /// Whether several poses are shifted equally badly, and two rigs explain them better than one.

@@ -42,7 +42,8 @@ using PairDerivatives = Eigen::Matrix<double, 6, 12>;
 
 struct AdjustedHandEye {
   HandEyePoses poses;
-  /// Of the camera's pose and the board's: rotation in its own frame, translation in the other's.
+  /// Covariance of the camera's pose and the board's: rotation in its own frame, translation in the
+  /// other's.
   Eigen::Matrix<double, 12, 12> covariance;
   HandEyeScatter scatter;
 };

@@ -60,7 +60,7 @@ TurnSpread turn_spread(std::span<const PosePair> pairs) {
 }
 
 char weakest_axis(const TurnSpread& spread) {
-  // Of the two weaker axes the first is needed; where both are weak, any of the two.
+  // The stronger of the two weaker axes is needed; where both are weak, it does not matter which.
   Eigen::Index axis = 0;
   spread.axes.col(1).cwiseAbs().maxCoeff(&axis);
   return "xyz"[axis];

@@ -13,8 +13,8 @@ namespace slipstream {
 
 /// The conventions of the program that found the points.
 struct PointConventions {
-  /// Of the board's coordinates, mm; nullopt: metres for boards of less than two units, which no
-  /// camera and projector see in mm; otherwise mm.
+  /// Unit of the board's coordinates, mm; nullopt: metres for boards of less than two units, which
+  /// no camera and projector see in mm; otherwise mm.
   std::optional<double> unit{};
   double first_pixel = 0;        ///< coordinate of the centre of the first pixel: 0, or 1 in MATLAB
   bool swaps_camera = false;     ///< its pixels are row, column

@@ -48,7 +48,7 @@ struct Reprojection {
 
 /// `view` is pose `v` of the state.
 Reprojection reprojection(const BoardView& view, const BundleState& state, std::size_t v);
-/// Of all poses together.
+/// The sum over all poses.
 Reprojection reprojection(const BoardViews& views, const BundleState& state);
 
 /// Returns nullopt if fewer than four corners are lit.

@@ -184,7 +184,7 @@ bool parts_code(const FrameGains& gains, const std::optional<Code>& code) {
   return within < most_within * in_all;
 }
 
-/// Of frames that differ from the usual one; `limit`: of their gains.
+/// The finding about frames that differ from the usual one; `limit`: of their gains.
 Finding finding_of(const std::vector<FrameGain>& gains, double limit) {
   const auto [darkest, brightest] = std::ranges::minmax_element(gains, {}, &FrameGain::gain);
 
@@ -290,7 +290,7 @@ std::optional<ChangedLight> by_redundancy(const JudgedScan& scan, const Fit& fit
   return changed;
 }
 
-/// Of a bit and its inverse, the difference as a share of the sum.
+/// Difference of a bit and its inverse as a share of their sum.
 double pair_contrast(const Code& code, const float* I, std::size_t bit) {
   const double shown = I[code.frames[bit]], inverse = I[code.inverses[bit]];
   return std::abs(shown - inverse) / std::max(1.0, shown + inverse);

@@ -52,7 +52,7 @@ Word word_of(const Code& code, const std::vector<double>& I) {
 /// Steps from stripe to stripe between neighbours at one distance.
 struct Steps {
   std::vector<std::pair<Word, Word>> pairs{};
-  /// Of each bit, the finest first.
+  /// A count for each bit, the finest first.
   using Counts = std::array<int, most_code_bits>;
 
   /// How many of the bits are too fine for this distance or blurred, whichever frames they are in.

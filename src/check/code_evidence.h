@@ -28,7 +28,7 @@ struct CodeEvidence {
   double drift = 0;
   double against = 0;  ///< share of the edges across which the phase runs against the code
   double doubt = 0;    ///< median of the coordinate's doubt: see PixelCoordinate
-  /// Of a code alone with inverses: the share of pixels in which a bit equals its inverse, of the
+  /// Share of pixels in which a bit equals its inverse, for a code alone with inverses: of the
   /// worst bit whose stripes the camera resolves. 1 for others. Its bits need no other evidence: a
   /// camera may change their brightness as it likes.
   double unsure = 1;

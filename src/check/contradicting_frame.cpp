@@ -12,8 +12,8 @@
 namespace slipstream {
 namespace {
 
-/// Of each frame, the direction of its residual as a unit vector; 0 for frames that the patterns
-/// never contradict.
+/// The direction of each frame's residual as a unit vector; 0 for frames that the patterns never
+/// contradict.
 std::vector<Eigen::VectorXd> directions_of(const FrameModel& model) {
   constexpr double least = 1e-6;
 

@@ -17,7 +17,7 @@ Complex direction_of(double periods) {
   return std::polar(1.0, two_pi * periods);
 }
 
-// Of fringes blurred in camera and projector.
+// Usual losses of modulation of fringes blurred in camera and projector.
 constexpr std::array dampings{0.05, 0.1, 0.15, 0.2, 0.25};
 
 /// On things of a few pixels, blur mixes the coordinates of both sides.

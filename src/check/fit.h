@@ -65,7 +65,8 @@ struct FrameEvidence {
   double ratio_spread = 0;
   double doubt = 0;   ///< median: see SampleReading; 0 where noise alone leaves as much
   double origin = 0;  ///< error of the origin by single frames, rad
-  /// Of the fringes against the cue, share of their modulation, if band and cue agree with it only.
+  /// Loss of the fringes' modulation against the cue's, as a share, if band and cue agree with it
+  /// only.
   double damping = 0;
   /// Share of far pixel pairs across which the coordinate jumps from one end of the field to the
   /// other inside the lit area.
@@ -129,7 +130,7 @@ class FrameJudge {
 struct Fit {
   /// Its residual is without the waveform's if that does no harm.
   FrameEvidence frames{};
-  /// Of frames that do not match the patterns, if it explains why.
+  /// The waveform of frames that do not match the patterns, if it explains why.
   std::optional<Waveform> waveform{};
   CodeEvidence code{};
   bool moving = false;                         ///< CheckSettings::moving
@@ -137,12 +138,12 @@ struct Fit {
 
   [[nodiscard]] bool has_evidence() const;  ///< of every relation, beyond noise
 
-  /// In modulation.
+  /// Whether the bands agree in modulation.
   [[nodiscard]] bool bands_alike() const {
     return frames.ratio_spread <= FitLimits::most_ratio_spread;
   }
   [[nodiscard]] bool bands_agree() const;  ///< in phase and modulation
-  /// Of the relations that do not agree, the worst; null without any.
+  /// The worst of the relations that do not agree; null without any.
   [[nodiscard]] const BandRelation* worst_relation() const;
   [[nodiscard]] bool patterns_made() const;  ///< the patterns explain the frames
   [[nodiscard]] bool code_agrees() const;    ///< within the limits of code_symptoms

@@ -137,7 +137,8 @@ Finding too_dark(const ScanSamples& samples, int bits, double least_modulation) 
 // Shares of the lit pixels.
 constexpr double most_saturated = 0.2, most_flat = 0.015, most_dim = 0.5;
 
-/// Of the mean to the modulation: stronger ambient light leaves few grey levels for the patterns.
+/// Ratio of the mean to the modulation: stronger ambient light leaves few grey levels for the
+/// patterns.
 constexpr double most_ambient = 5;
 
 Finding unused_bits(int used, int bits, const ScanSamples& samples) {

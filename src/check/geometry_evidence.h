@@ -24,7 +24,7 @@ struct GeometryEvidence {
   /// alone. 1 if there are few such pixels.
   double slope = 1;
   double slope_doubt = 0;  ///< three standard errors of `slope`, from the scatter of the pixels
-  /// Of a code alone: of all changes of the coordinate, the share that runs the other way.
+  /// Share of all changes of a code's coordinate that run the other way; for a code alone.
   double falling = 0;
 };
 

@@ -42,7 +42,7 @@ std::vector<SharedValue> counted_values(const Image<double>& map) {
   return counted;
 }
 
-/// Those that invalid pixels were written as.
+/// The values that invalid pixels were written as.
 std::vector<SharedValue> values_of_invalid_pixels(const std::vector<SharedValue>& counted,
                                                   std::size_t pixels) {
   // Whole pixels or stripes are shared too. An edge of the field has few of them, so that the least

@@ -228,7 +228,7 @@ std::optional<Finding> unknown_response(const JudgedScan& scan, double noise) {
   const double bend = phase_error_of_gamma(scan), least = noise / bend;
   if (scan.photometry.response || least > most_usual) return std::nullopt;
 
-  // Of the camera's range; few cameras and rooms have as much.
+  // The largest offset, as a share of the camera's range; few cameras and rooms have as much.
   const double most_offset = std::max(0.125, 1.5 * scan.photometry.ambient.value_or(0) / 255);
   const auto [off, error] = measured_gamma(scan, most_offset);
 

@@ -137,7 +137,7 @@ bool leaves_warnings(const JudgedScan& scan, const Attempt& attempt) {
   });
 }
 
-/// Those of the mistakes that may explain the scan by a few groups.
+/// The mistakes that may explain the scan, judged by a few groups of pixels.
 std::vector<PossibleMistake> promising(const JudgedScan& scan,
                                        std::vector<PossibleMistake> mistakes) {
   constexpr std::size_t most = 32;
@@ -164,7 +164,7 @@ std::vector<PossibleMistake> promising(const JudgedScan& scan,
   return left;
 }
 
-/// Those that explain the scan, likeliest first: among about equal fits the simplest.
+/// The mistakes that explain the scan, likeliest first: among about equal fits the simplest.
 std::vector<Attempt> explaining(const JudgedScan& scan, const Fit& before,
                                 std::vector<PossibleMistake> mistakes) {
   std::vector<Attempt> found;

@@ -51,8 +51,8 @@ struct Mixture {
 
 constexpr double half = 0.5;  // hides what alternates from frame to frame
 
-/// Of each frame, how bright its bright pixels are as a share of the brightest frame there; 1 if it
-/// has hardly any. A frame that differs has another exposure.
+/// How bright each frame's bright pixels are, as a share of the brightest frame there; 1 if it has
+/// hardly any. A frame that differs has another exposure.
 std::vector<float> bright_levels(const ScanSamples& samples, std::size_t groups) {
   constexpr double nearly_all = 0.95;
   constexpr float darkest = 0.3F;
@@ -131,7 +131,7 @@ class MixtureSearch {
     few_.keep_first(few);
   }
 
-  /// Of few pixels, by the frames alone.
+  /// The misfit of few pixels, by the frames alone.
   [[nodiscard]] double misfit(const Mixture& mixture) {
     return Fit{.frames = judge_(undone(mixture, few_), scan_.model.identity())}.misfit();
   }
@@ -166,7 +166,7 @@ class MixtureSearch {
     return found;
   }
 
-  /// Of a share that the code shows and the bands do not.
+  /// The mixture with a share that the code shows and the bands do not.
   [[nodiscard]] Mixture of_code(double share) const {
     Mixture mixture = in_bands();
     mixture.top = mixture.bottom = std::min(share, most);

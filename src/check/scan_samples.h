@@ -60,7 +60,7 @@ class ScanSamples {
 
   [[nodiscard]] int column(std::size_t group) const { return lit_[group].column; }
   [[nodiscard]] int row(std::size_t group) const { return lit_[group].row; }
-  /// Of merged frames: brightness relative to the shortest exposure; otherwise 1.
+  /// Brightness of merged frames relative to the shortest exposure; otherwise 1.
   [[nodiscard]] double gain(std::size_t group) const { return lit_[group].gain; }
   /// Difference of the brightest and the darkest frame.
   [[nodiscard]] double range(const float* levels) const;
@@ -74,7 +74,7 @@ class ScanSamples {
   [[nodiscard]] double lit_share() const;
   /// Share of the lit pixels.
   [[nodiscard]] double saturated_share() const;
-  /// Of dim and lit pixels, the share that change like their neighbours but too little to be lit.
+  /// Share of the dim and lit pixels that change like their neighbours but too little to be lit.
   [[nodiscard]] double dim_share() const;
   /// The brightest intensity, and the largest difference between the frames of a pixel.
   [[nodiscard]] double brightest() const { return brightest_; }

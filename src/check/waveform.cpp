@@ -54,7 +54,7 @@ double harmonic_of_power(double gamma, int k) {
   return harmonic;
 }
 
-/// Of a square wave, blurred by a Gaussian so that its third harmonic is the given one.
+/// Harmonic k of a square wave, blurred by a Gaussian so that its third harmonic is the given one.
 double harmonic_of_stripes(double third, int k) {
   if (k % 2 == 0) return 0;
   const double sharpness = std::min(1.0, 3 * third);

@@ -61,7 +61,7 @@ Eigen::Vector4d quaternion_of(const Eigen::Matrix3d& rotation, QuaternionOrder o
 /// Rodrigues' vector: its direction is the axis, its length the angle. Throws Error if a number is
 /// not finite.
 Eigen::Matrix3d rotation_of_vector(const Eigen::Vector3d& vector);
-/// Of a length up to pi.
+/// The vector of a rotation; its length is at most pi.
 Eigen::Vector3d vector_of(const Eigen::Matrix3d& rotation);
 
 /// The angles are in the order of the turns. Throws Error if one is not finite.

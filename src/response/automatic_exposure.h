@@ -17,12 +17,12 @@ struct ExposureLimits {
   double first = 1;  ///< to begin with
   double shortest = 0, longest = std::numeric_limits<double>::infinity();
   std::size_t most = 3;  ///< exposures of one scan, 1 to 3
-  /// Of all exposures of one scan together, for each pattern.
+  /// Longest sum of one scan's exposures, for each pattern.
   double total = std::numeric_limits<double>::infinity();
   /// Period of the room's light, or one that it shares with the projector's refreshes: exposures
   /// from half of it on are whole multiples; 0: steady light.
   double flicker_period = 0;
-  /// Of the projector: shorter exposures, from half of it on, are whole multiples; 0: unknown.
+  /// The projector's: shorter exposures, from half of it on, are whole multiples; 0: unknown.
   double refresh_period = 0;
 };
 

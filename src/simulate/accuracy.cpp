@@ -311,7 +311,7 @@ double value_of(const std::optional<Estimate>& estimate) {
 Verdict verdict_of_errors(const Accuracy& accuracy, bool exact_scanner) {
   double worst = 0, error = 0, noise = 0;  // the worst ratio; mm
   for (const ShapeAccuracy& shape : accuracy.shapes) {
-    // Of the plane's deviations, bending is systematic and the rest is random.
+    // Bending is the systematic part of the plane's deviations; the rest is random.
     const double bending = value_of(shape.bending);
     const double systematic =
         std::max({std::abs(value_of(shape.size)), std::abs(value_of(shape.spacing)), bending});

@@ -56,7 +56,7 @@ void AddScaled(const double* from, double weight, double* to, std::size_t count)
   for (std::size_t i = 0; i < count; ++i) to[i] += weight * from[i];
 }
 
-/// Of `count` pixels, at most a packet's number.
+/// Blurs `count` pixels, at most as many as a packet has.
 void BlurBlock(const double* row, const double* const* before, const double* const* after,
                const double* deviation, int count, double* blurred) {
   constexpr double sharpest = 1e-3;
@@ -124,7 +124,7 @@ HWY_INLINE void light_under(const BlurredProfiles& profiles, const Lanes& place,
   }
 }
 
-/// Of `count` samples, at most a packet's number.
+/// The light of `count` samples, at most as many as a packet has.
 void LightOf(const BlurredProfiles& profiles, const LitSample* samples, int count, double* light) {
   Lanes place, blur, spread;
   bool spreads = false;

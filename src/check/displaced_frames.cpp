@@ -106,7 +106,7 @@ std::optional<Finding> displaced_frames(const JudgedScan& scan, const Fit& fit) 
       (moves.head(count).array().square() + moves.tail(count).array().square()).maxCoeff());
   if (largest < least_moved || largest < 4 * error) return std::nullopt;
 
-  return Finding{
+  Finding finding{
       .kind = FindingKind::pattern_mismatch,
       .severity =
           fit.frames.residual > FitLimits::hopeless_residual ? Severity::wrong : Severity::doubtful,
@@ -118,6 +118,12 @@ std::optional<Finding> displaced_frames(const JudgedScan& scan, const Fit& fit) 
                   "camera, projector or object moved between the frames, or shook"}},
       .remedies = {{"capture the scan again, and hold camera, projector and object still; if the "
                     "object must move, use pmp or pcmp with extra frames for `motion`"}}};
+
+  // Of periodic stripes, frames that were mixed up may look displaced too.
+  if (!fit.patterns_made()) {
+    finding.causes.push_back({CauseKind::frame_order, "frames in another order than projected"});
+  }
+  return finding;
 }
 
 }  // namespace slipstream

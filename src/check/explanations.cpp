@@ -154,9 +154,22 @@ void name_frames_broadly(const Fit& fit, bool response_known, Finding& finding) 
     finding.severity = Severity::wrong;
   }
 
+  finding.remedies = {{"compare the frames with the output of `patterns()`"}};
+
+  // Bands that differ by the same share of a period everywhere have no other fault.
+  constexpr double nearly_everywhere = 0.9;
+  const auto is_constant = [](const BandRelation& relation) {
+    return relation.agreement >= nearly_everywhere;
+  };
+  if (fit.patterns_made() && !fit.bands_agree() && std::ranges::all_of(relations, is_constant)) {
+    finding.causes = {
+        {CauseKind::pattern_settings, "another origin or direction of the shifts than configured"},
+        {CauseKind::frame_order, "frames rotated within a band"}};
+    return;
+  }
+
   finding.causes = {{CauseKind::unclear,
                      "wrong pattern settings, lost or mixed-up frames, or motion during capture"}};
-  finding.remedies = {{"compare the frames with the output of `patterns()`"}};
   if (response_known || fit.frames.residual > most_by_gamma) return;
   finding.causes.push_back(unknown_gamma());
 

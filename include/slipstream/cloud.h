@@ -158,8 +158,8 @@ struct Uncertainty {
   Image<float> coordinate;  ///< of the projector coordinate, fields
   Image<float> x, y, z;     ///< mm
   Image<float> z_of_noise;  ///< of depth, mm, by noise alone
-  /// Of depth, mm, by errors that repeat from scan to scan, such as of the calibration, which the
-  /// other members leave out; may be empty. See ErrorBudget.
+  /// The deviation of depth, mm, by errors that repeat from scan to scan, such as of the
+  /// calibration, which the other members leave out; may be empty. See ErrorBudget.
   Image<float> z_systematic{};
 
  private:

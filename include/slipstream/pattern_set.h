@@ -136,7 +136,7 @@ inline PatternSet white_pattern(const PatternLight& light) {
   return {.count = 3, .light = light, .shape = [](int, double) { return 0.5; }};
 }
 
-/// Those images as three patterns each, one per channel.
+/// The images of `primary_names` as three patterns each, one per channel.
 inline PatternSet primary_patterns(const PatternLight& light) {
   constexpr int channels = 3;
   return {.count = channels * static_cast<int>(primary_names.size()),

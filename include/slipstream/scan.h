@@ -29,7 +29,7 @@ struct Scan {
 
   Sequence sequence{};
   std::optional<Scanner> scanner{};  ///< if known
-  /// Of two cameras without a calibrated projector: the first camera, and the second as projector.
+  /// Two cameras without a calibrated projector: the first, and the second as projector.
   std::optional<Scanner> camera_pair{};
   std::vector<double> exposures{1};  ///< merged into these frames; a single one if not merged
 

@@ -41,7 +41,7 @@ struct ScanFiles {
   std::vector<std::filesystem::path> frames{};  ///< pictures or pages; empty for a recording
   std::vector<int> order{};  ///< frame index of each pattern; empty: in stored order
 
-  /// Of raw pictures of a colour camera, the colours of the first two pixels, e.g. "RG"; else
+  /// The colours of the first two pixels in raw pictures of a colour camera, e.g. "RG"; else
   /// empty.
   std::string mosaic{};
   Temperatures temperatures{};  ///< of the camera when the scan was taken; empty if unknown
@@ -56,8 +56,8 @@ struct ScanFiles {
 
   std::shared_ptr<const RecordingReader> recording{};  ///< the open recording, or null
 
-  /// Of a recording, see window_at; nullopt: first cycle. Of a folder of many frames, whose
-  /// `frames` are then those of the window; nullopt: all.
+  /// Window of a recording, see window_at; nullopt: first cycle. Window of a folder of many frames,
+  /// whose `frames` are then those of the window; nullopt: all.
   std::optional<std::uint64_t> window{};
 
   std::optional<std::filesystem::path> scanner{};  ///< the scanner file, or the recording

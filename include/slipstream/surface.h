@@ -46,7 +46,7 @@ struct Surface {
   /// Indices of their corners, counter-clockwise as seen by the camera.
   std::vector<std::array<std::uint32_t, 3>> triangles{};
   Image<std::uint8_t> picture{};
-  /// Of each vertex and of the picture, sRGB; empty without a colour camera.
+  /// Colours of each vertex and of the picture, sRGB; empty without a colour camera.
   std::vector<Colour> colour{};
   Image<Colour> colour_picture{};
   std::shared_ptr<const FramePose> frame{};  ///< as Cloud::frame

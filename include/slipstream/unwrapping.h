@@ -37,7 +37,7 @@ enum class OrderSource {
 struct PixelReading {
   std::span<const double> phases;  ///< of all bands, rad, [0, 2 pi)
   std::span<const double> modulations;
-  /// Of all frames, grey levels, with a code, single frames or a custom method; otherwise
+  /// Grey levels of all frames, with a code, single frames or a custom method; otherwise
   /// unspecified.
   std::span<const double> intensities;
 };

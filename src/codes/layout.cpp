@@ -349,7 +349,7 @@ std::vector<int> step_counts(const Layout& layout) {
 std::vector<std::size_t> coarse_to_fine(const Layout& layout) {
   std::vector<std::size_t> order(layout.bands.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  // Of two with equal periods the first one measures.
+  // The first of two with equal periods measures.
   std::ranges::sort(order, [&](std::size_t a, std::size_t b) {
     return std::pair(layout.bands[a].periods, b) < std::pair(layout.bands[b].periods, a);
   });

@@ -11,7 +11,7 @@ namespace slipstream {
 /// Variance that rounding to whole grey levels adds to each frame: 1/12.
 inline constexpr double quantisation_variance = 1.0 / 12;
 
-/// Of the wrapped phase of N-step PMP, rad^2: Eq. (3.38), 8 sigma_w^2 / (N alpha^2 alpha_p^2).
+/// Variance of the phase of N-step PMP, rad^2: Eq. (3.38), 8 sigma_w^2 / (N alpha^2 alpha_p^2).
 double phase_variance(int steps, double alpha, double alpha_p, double noise_variance);
 
 /// Variance of y, fields^2, at f periods across the field: Eq. (3.40), phase variance / (2 pi f)^2.

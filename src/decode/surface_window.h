@@ -105,7 +105,7 @@ struct SurfaceWindow : WindowCells {
       for (std::size_t i = first; i < last - distance; ++i) {
         const float before = part[i - distance], step = part[i], after = part[i + distance];
 
-        // Of integers, as && and || would branch.
+        // Integers, as && and || would branch.
         const int alone = int{before != before} & int{after != after};
         const int smooth =
             int{std::abs(step - before) <= rough} | int{std::abs(step - after) <= rough};

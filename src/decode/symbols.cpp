@@ -74,7 +74,7 @@ Spots spots_of(Image<float> smooth, Vector pitch, Image<int>& numbers) {
     for (int column = reach_x; column < width - reach_x; ++column) {
       const float here = smooth(column, row);
 
-      // Of equal levels the first counts.
+      // The first of equal levels counts.
       bool highest = here > least;
       for (int y = row - reach_y; highest && y <= row + reach_y; ++y) {
         for (int x = column - reach_x; highest && x <= column + reach_x; ++x) {

@@ -35,7 +35,7 @@ void for_each_level(const FrameViews& frames, const Body& body) {
   });
 }
 
-/// Of frames of this type; `bits` for 16-bit pixels.
+/// Bit depth of frames of this type; `bits` for 16-bit pixels.
 template <class Pixel>
 int bits_of(int bits) {
   if (!std::is_same_v<Pixel, std::uint16_t>) return 8;

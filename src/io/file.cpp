@@ -310,7 +310,7 @@ void OutputFile::keep_together(std::initializer_list<OutputFile*> files) {
   for (auto place = files.begin(); place != files.end(); ++place) {
     OutputFile& file = **place;
 
-    // Of several, an existing file gets the temporary name, to be put back after a failure.
+    // With several, an existing file gets the temporary name, to be put back after a failure.
     file.swapped_ = files.size() > 1 && swap_names(file.name_, file.path_);
     if (file.swapped_ || ::rename(file.name_.c_str(), file.path_.c_str()) == 0) continue;
 

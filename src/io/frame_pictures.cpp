@@ -68,8 +68,8 @@ ChannelWeights weights_of(GreyChannel channel) {
   }
 }
 
-/// Of a pixel's channels, rounded by half a unit of the sum. At full scale if a channel is that has
-/// a part in it, since its true level is unknown.
+/// Weighted mean of a pixel's channels, rounded by half a unit of the sum. At full scale if a
+/// channel is that has a part in it, since its true level is unknown.
 template <class Sample>
 std::uint32_t weighted_level(const Sample* rgb, const ChannelWeights& weights,
                              std::uint32_t full_scale) {

@@ -29,7 +29,7 @@ namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
 
-/// Of a vertex, or its intensity as grey.
+/// A vertex's colour, or its intensity as grey.
 Colour colour_of(const Surface& surface, std::size_t vertex) {
   if (!surface.colour.empty()) return surface.colour[vertex];
   const std::uint8_t grey = grey_level(surface.intensity[vertex]);

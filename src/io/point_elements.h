@@ -33,7 +33,7 @@ inline float packed_colour(Colour colour) {
 /// A property by the name that slipstream gives it: "R" and "red" are red.
 std::string usual_name(std::string name);
 
-/// Those of PLY in its order, then those that only PCD has.
+/// PLY's number types in its order, then those that only PCD has.
 enum class NumberType {
   int8,
   uint8,

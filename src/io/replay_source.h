@@ -38,7 +38,7 @@ class ReplaySource : public FrameSource {
   /// Format, strategy and scanner of the recording or folder.
   [[nodiscard]] const RecordingHeader& header() const { return header_; }
 
-  /// Of a folder of one cycle, see Scan::colour; otherwise empty.
+  /// Colours of a folder of one cycle, see Scan::colour; otherwise empty.
   [[nodiscard]] const Image<Colour>& colour() const { return colour_; }
 
   /// "PATH: was interrupted; ..." if the recording is incomplete; otherwise empty.

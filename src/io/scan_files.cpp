@@ -153,7 +153,7 @@ Scan read_scan(const ScanFiles& files, const PhotometricCalibration& known, bool
 void add_guard(Scan& scan, const ScanFiles& files) {
   if (!files.guard || !scan.other_axis.empty()) return;
 
-  // Of the same camera and light.
+  // The guard shows the same camera and light.
   ScanChanges changes{.channel = files.channel};
   if (files.bits != 0) changes.bits = files.bits;
   Scan guard = load_frames(scan_files_in(*files.guard, changes));

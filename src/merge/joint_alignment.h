@@ -32,8 +32,8 @@ struct JointAlignment {
   /// differ, or a camera would have seen through one. The alignment is the one at these poses.
   std::vector<ViewLink> misfits{};
 
-  /// Of the links that close a loop, before the joint refinement: RMS at the views' points, mm, and
-  /// of the turns, degrees. nullopt without a loop.
+  /// Errors of the links that close a loop, before the joint refinement: RMS at the views' points,
+  /// mm, and of the turns, degrees. nullopt without a loop.
   std::optional<double> loop_error{}, loop_turn{};
 
   [[nodiscard]] std::size_t joined() const;

@@ -229,7 +229,7 @@ class CellIndex {
 
  private:
   [[nodiscard]] Eigen::Vector2i bin(const Eigen::Vector2d& place) const {
-    // Of one stripe alone, all coordinates are the same.
+    // All coordinates of a single stripe are the same.
     constexpr double least_size = std::numeric_limits<double>::min();
     const Eigen::Vector2d share =
         (place - all_.min()).cwiseQuotient(all_.sizes().cwiseMax(least_size));

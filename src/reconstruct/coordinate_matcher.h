@@ -24,7 +24,7 @@ class CoordinateMatcher {
   /// Result in the first camera's image and frame.
   struct Result {
     Cloud cloud{};
-    /// Of the first camera, along the scan's own axis; coordinate NaN where invalid.
+    /// The first camera's, along the scan's own axis; coordinate NaN where invalid.
     Maps maps{};
     /// From both cameras' noise; of stripes, from their pixel size. Its coordinate is the matched
     /// one.

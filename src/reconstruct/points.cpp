@@ -111,7 +111,7 @@ class RandomError {
   }
 
  private:
-  /// Of a code, 1 + 8 doubt stripes are equally likely.
+  /// Number of equally likely stripes of a code: 1 + 8 doubt.
   [[nodiscard]] static double likely_stripes(const Maps& maps, int column, int row) {
     const Image<float>& doubt = maps.fringe_order_doubt;
     return doubt.empty() ? 1 : 1 + 8 * doubt(column, row);
@@ -184,7 +184,7 @@ Image<Validity> judged(const BasicMaps<double>& maps, const Image<Validity>& ord
               : lit;
 
     FringeOrderConsensus consensus = settings.fringe_order;
-    // Of a code only pixels with doubtful bits need neighbours: these may be stripes apart.
+    // Only a code's pixels with doubtful bits need neighbours: these may be stripes apart.
     if (layout.unwrapping->whole_stripes) consensus.fewest_neighbours = 0;
 
     unconfirmed = unconfirmed_fringe_orders(maps.coordinate, maps.fringe_order_doubt, voters,

@@ -53,7 +53,7 @@ std::complex<double> mean_share(const Image<std::complex<float>>& shares, const 
 }  // namespace
 
 bool shows_reflection(const Layout& layout) {
-  // Of more periods, blur dims the fine band by too much: of virtual boxes 6 % were rejected at 32
+  // With more periods blur dims the fine band by too much: of virtual boxes 6 % were rejected at 32
   // times, 21 % at 64, 0.1 % at 16.
   constexpr double fewest = 4, most = 16;
   const Band &coarse = coarsest_band(layout), &fine = measuring_band(layout);

@@ -144,8 +144,8 @@ SystematicError gamma_left(const EngineSetup& setup, const FrameViews& frames) {
   return {std::nullopt, "these patterns do not show it; four steps or more do"};
 }
 
-/// Of the calibration and of its lens models, which both axes of the projector show across the
-/// epipolar lines. They are taken to be as large along them.
+/// Errors of the calibration and of its lens models, which both axes of the projector show across
+/// the epipolar lines. They are taken to be as large along them.
 std::pair<SystematicError, SystematicError> calibration_left(const ScanResult& result) {
   const auto& [scanner, sequence, settings] = result.setup;
   const double fields = 1.0 / length_along(sequence.axis, scanner.projector.size);  // of a pixel
@@ -169,7 +169,7 @@ std::pair<SystematicError, SystematicError> calibration_left(const ScanResult& r
   return {{std::nullopt, shown}, {std::nullopt, shown}};
 }
 
-/// Of a window longer than a cycle, what compensation leaves of the motion during the cycle: 5 % at
+/// What compensation in a window longer than a cycle leaves of the motion during the cycle: 5 % at
 /// 0.04 rad, 26 % at 0.4, see FrameMotion.
 SystematicError motion_left(const EngineSetup& setup, const PointMeans& means) {
   const Band& band = measuring_band(setup.sequence.strategy.layout());

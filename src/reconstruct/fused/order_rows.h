@@ -26,7 +26,7 @@ struct OrderStage {
   float largest_doubt = 0.25F;
   std::vector<Wave> waves{};
   std::size_t steps = 0;  ///< frames of the measuring band, which are first; 0 of bands
-  /// Of frames: cosine and sine of each at the beginning of each order, order after order.
+  /// Cosine and sine of each frame at the beginning of each order, order after order.
   std::vector<std::array<float, 2>> beginnings{};
 };
 

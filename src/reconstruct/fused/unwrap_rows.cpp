@@ -109,7 +109,7 @@ class CodeVectors {
     }
   }
 
-  /// Of all bits where their range counts, else of the first one.
+  /// Levels of all bits where their range counts, else of the first one.
   HWY_INLINE LevelRange levels_of_bits(std::size_t i) const {
     const Ints first = level(bits_.front(), i);
     LevelRange levels{first, first};

@@ -31,8 +31,8 @@ struct SourceRequest {
   /// Called while `virtual` renders, from another thread, with the share that is rendered; may
   /// outlive the request, not the source.
   std::function<void(double)> while_rendering{};
-  /// First rest of bodies that move in the virtual world. With `none` all frames are rendered at the
-  /// start.
+  /// First rest of bodies that move in the virtual world. With `none` all frames are rendered at
+  /// the start.
   FirstRest first_rest = FirstRest::none;
 
   /// Settings shared by flags and keywords.

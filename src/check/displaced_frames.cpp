@@ -119,7 +119,7 @@ std::optional<Finding> displaced_frames(const JudgedScan& scan, const Fit& fit) 
       .remedies = {{"capture the scan again, and hold camera, projector and object still; if the "
                     "object must move, use pmp or pcmp with extra frames for `motion`"}}};
 
-  // Of periodic stripes, frames that were mixed up may look displaced too.
+  // With periodic stripes, frames that were mixed up may look displaced too.
   if (!fit.patterns_made()) {
     finding.causes.push_back({CauseKind::frame_order, "frames in another order than projected"});
   }

@@ -223,7 +223,7 @@ void name_broadly(const Fit& fit, bool response_known, Finding& finding) {
   }
 }
 
-/// Of frames that fit: pictures that are a part of the calibrated ones, which part is unknown.
+/// Finding about frames that fit: the pictures are an unknown part of the calibrated ones.
 std::optional<Finding> cropped_pictures(const JudgedScan& scan, const Fit& fit) {
   if (!fit.has_stray_points() || !is_off_centre(scan.scanner->camera)) return std::nullopt;
 
@@ -240,7 +240,7 @@ std::optional<Finding> cropped_pictures(const JudgedScan& scan, const Fit& fit) 
       .remedies = {{"say which part of the calibrated pictures they are with `camera_region`"}}};
 }
 
-/// Of a scan that fits: another mistake that explains it far better.
+/// Finding about a scan that fits: another mistake explains it far better.
 std::optional<Finding> better_fit(const JudgedScan& scan, const Fit& fit) {
   constexpr double clearly = 0.5;
   auto better = fit.poor() ? likeliest_mistake(scan, fit) : std::nullopt;
@@ -317,8 +317,8 @@ void name_mistake(Explanation explanation, bool only_depths,
   }
 }
 
-/// Of a scan that does not fit: its symptom, and the likeliest cause, or a broad one if no specific
-/// one explains it.
+/// Adds the symptom of a scan that does not fit, and the likeliest cause, or a broad one if no
+/// specific one explains it.
 void explain_misfit(const JudgedScan& scan, const Fit& fit, std::optional<MixedFrames> mixed,
                     std::optional<ChangedLight> light, ScanFindings& result) {
   Finding finding = seen(fit);

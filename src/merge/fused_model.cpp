@@ -70,22 +70,27 @@ double scatter_of(std::span<const ViewSums> views) {
 /// normal, so that noise does not decide which belong to it.
 class PointAverage {
  public:
-  PointAverage(const AllPoints& all, const PointGrid& grid, float spacing)
-      : all_(all), grid_(grid), spacing_(spacing) {}
+  PointAverage(const AllPoints& all, float spacing) : all_(all), spacing_(spacing) {}
 
   /// How far neighbours lie from a seed at most.
   static float reach(float spacing) { return 2 * spacing; }
 
-  [[nodiscard]] ModelPoint at(std::uint32_t seed, bool coloured) const {
+  /// `points`: contain all within reach of the seed.
+  [[nodiscard]] ModelPoint at(std::uint32_t seed, const NearPoints& points, bool coloured) const {
+    thread_local std::vector<std::uint32_t> around;
+    thread_local std::vector<std::pair<std::uint32_t, float>> near;
+    thread_local std::vector<double> heights;
+    around.clear();
+    near.clear();
+    heights.clear();
+
     const Eigen::Vector3f& origin = all_.points[seed];
-    std::vector<std::uint32_t> around;
-    grid_.for_each_near(origin, reach(spacing_),
-                        [&](std::uint32_t i, float) { around.push_back(i); });
+    points.for_each_near(origin, reach(spacing_), [&](std::size_t i, const Eigen::Vector3f&) {
+      around.push_back(points.indices[i]);
+    });
     const Eigen::Vector3f normal = mean_normal(seed, around);
 
     // 1. The neighbours on the same side of the surface, and their heights over the seed.
-    std::vector<std::pair<std::uint32_t, float>> near;
-    std::vector<double> heights;
     for (const std::uint32_t i : around) {
       if (!(all_.normals[i].dot(normal) > least_alike)) continue;
       const Eigen::Vector3f offset = all_.points[i] - origin;
@@ -96,8 +101,9 @@ class PointAverage {
     }
 
     // 2. Heights off the middle by more than their noise allows are outliers.
-    const double middle = median(heights);
-    const double spread = robust_deviation(std::move(heights), middle);
+    const double middle = quantile(heights, 0.5);
+    for (double& height : heights) height = std::abs(height - middle);
+    const double spread = deviation_from_median(quantile(heights, 0.5));
     std::erase_if(near, [&](const auto& point) {
       const double limit = 4 * std::max<double>(spread, all_.sigma[point.first]);
       return std::abs(point.second - middle) > limit;
@@ -122,7 +128,8 @@ class PointAverage {
   [[nodiscard]] ModelPoint averaged(const std::vector<std::pair<std::uint32_t, float>>& near,
                                     const Eigen::Vector3f& normal, bool coloured) const {
     ModelPoint point{.normal = normal};
-    std::vector<ViewSums> views;
+    thread_local std::vector<ViewSums> views;
+    views.clear();
     Eigen::Vector3d position = Eigen::Vector3d::Zero(), colour = Eigen::Vector3d::Zero();
     double weights = 0, intensity = 0;
 
@@ -165,7 +172,6 @@ class PointAverage {
   }
 
   const AllPoints& all_;
-  const PointGrid& grid_;
   float spacing_;
 };
 
@@ -175,7 +181,7 @@ std::vector<ModelPoint> without_doubles(const std::vector<ModelPoint>& points, f
 
   std::vector<Eigen::Vector3f> places;
   for (const ModelPoint& point : points) places.push_back(point.position);
-  const PointGrid grid(places, spacing);
+  const PointGrid grid(places, 2 * spacing);  // few cells are looked up for each point
 
   std::vector<std::uint8_t> dropped(points.size());
   std::vector<ModelPoint> kept;
@@ -251,12 +257,16 @@ FusedModel fuse(const std::vector<const View*>& views,
   // 2. An average around a point of each cell; cells that noise divides give doubles.
   const PointGrid grid(all.points, PointAverage::reach(model.spacing));
   const std::vector<std::uint32_t> seeds = thinned_to_cells(all.points, model.spacing);
-  const PointAverage average(all, grid, model.spacing);
+  const PointAverage average(all, model.spacing);
+
+  std::vector<int> seed_of(all.points.size(), -1);
+  for (std::size_t k = 0; k < seeds.size(); ++k) seed_of[seeds[k]] = static_cast<int>(k);
 
   std::vector<ModelPoint> points(seeds.size());
-  for_each_row(static_cast<int>(seeds.size()), [&](int row) {
-    const auto k = static_cast<std::size_t>(row);
-    points[k] = average.at(seeds[k], model.coloured);
+  grid.for_each_cell([&](std::span<const std::uint32_t> inside, const NearPoints& near) {
+    for (const std::uint32_t i : inside) {
+      if (seed_of[i] >= 0) points[seed_of[i]] = average.at(i, near, model.coloured);
+    }
   });
 
   std::erase_if(points, [](const ModelPoint& point) { return point.views == 0; });

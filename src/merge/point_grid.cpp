@@ -1,10 +1,14 @@
 #include "merge/point_grid.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <limits>
+#include <numeric>
 #include <utility>
+
+#include "base/parallel_rows.h"
 
 namespace slipstream {
 namespace {
@@ -20,10 +24,23 @@ struct CellPoint {
   std::uint32_t point = 0;
 };
 
+/// Sorts points, whose numbers ascend, by their cell: digit after digit of the keys, from the low
+/// to the high ones.
 std::vector<CellPoint> sorted_by_cell(std::vector<CellPoint> all) {
-  std::sort(all.begin(), all.end(), [](const CellPoint& a, const CellPoint& b) {
-    return std::pair(a.cell, a.point) < std::pair(b.cell, b.point);
-  });
+  constexpr std::uint64_t digit_mask = 2047;
+  std::vector<CellPoint> sorted(all.size());
+
+  // Two digits for each axis; few grids have more than one of them.
+  for (const int shift : {0, 11, 21, 32, 42, 53}) {
+    const auto digit = [&](const CellPoint& point) { return point.cell >> shift & digit_mask; };
+    std::array<std::size_t, digit_mask + 2> begin{};
+    for (const CellPoint& point : all) ++begin[digit(point) + 1];
+    if (std::ranges::find(begin, all.size()) != begin.end()) continue;
+
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    for (const CellPoint& point : all) sorted[begin[digit(point)]++] = point;
+    std::swap(all, sorted);
+  }
   return all;
 }
 
@@ -53,25 +70,44 @@ PointGrid::PointGrid(std::span<const Eigen::Vector3f> points, float cell)
 
   points_.reserve(points.size());
   indices_.reserve(points.size());
-  std::size_t cells = 0;
   for (std::size_t i = 0; i < all.size(); ++i) {
     points_.push_back(points[all[i].point]);
     indices_.push_back(all[i].point);
-    if (i == 0 || all[i].cell != all[i - 1].cell) ++cells;
+    if (i == 0 || all[i].cell != all[i - 1].cell) firsts_.push_back(static_cast<std::uint32_t>(i));
   }
+  firsts_.push_back(static_cast<std::uint32_t>(all.size()));
 
   // 2. Put each cell's range into the hash table, at most half full, of two slots or more.
-  slots_.resize(std::bit_ceil(2 * cells + 2));
-  for (std::size_t first = 0; first < all.size();) {
-    std::size_t end = first;
-    while (end < all.size() && all[end].cell == all[first].cell) ++end;
-
-    std::size_t slot = slot_of(all[first].cell, slots_.size());
+  slots_.resize(std::bit_ceil(2 * firsts_.size()));
+  for (std::size_t i = 0; i + 1 < firsts_.size(); ++i) {
+    const std::uint64_t key = all[firsts_[i]].cell;
+    std::size_t slot = slot_of(key, slots_.size());
     while (slots_[slot].range.end != 0) slot = (slot + 1) & (slots_.size() - 1);
-    slots_[slot] = {all[first].cell,
-                    {static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(end)}};
-    first = end;
+    slots_[slot] = {key, {firsts_[i], firsts_[i + 1]}};
   }
+}
+
+void PointGrid::for_each_cell(const VisitCell& visit) const {
+  if (firsts_.empty()) return;
+  for_each_row(static_cast<int>(firsts_.size()) - 1, [&](int cell) {
+    thread_local NearPoints near;
+    for (auto* const list : {&near.x, &near.y, &near.z}) list->clear();
+    near.indices.clear();
+
+    const auto first = firsts_[cell], end = firsts_[cell + 1];
+    const Eigen::Vector3i middle = cell_of(points_[first]);
+    for (int k = 0; k < 27; ++k) {
+      const Eigen::Vector3i beside(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1);
+      const Range range = range_of(cell_key(middle + beside));
+      for (std::uint32_t i = range.first; i < range.end; ++i) {
+        near.indices.push_back(indices_[i]);
+        near.x.push_back(points_[i].x());
+        near.y.push_back(points_[i].y());
+        near.z.push_back(points_[i].z());
+      }
+    }
+    visit(std::span(indices_).subspan(first, end - first), near);
+  });
 }
 
 PointGrid::Range PointGrid::range_of(std::uint64_t key) const {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <map>
 #include <span>
+#include <unordered_map>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -72,50 +72,43 @@ struct LocalPlane {
   float roughness = nan;  ///< standard deviation from the plane, mm
 };
 
-/// Sums over neighbours of their offsets from a place.
-struct Moments {
-  float count = 0;
-  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-  Eigen::Matrix3f squares = Eigen::Matrix3f::Zero();
-};
-
-/// Each neighbour counts by 1 - slope * offset, at least 0.
-Moments moments_of(std::span<const Eigen::Vector3f> offsets, const Eigen::Vector3f& slope) {
-  Moments moments;
-  for (const Eigen::Vector3f& offset : offsets) {
-    const float weight = std::max(1 - slope.dot(offset), 0.0F);
-    moments.count += weight;
-    moments.sum += weight * offset;
-    moments.squares += weight * offset * offset.transpose();
+/// Sums over neighbours of the products of their offsets (x, y, z, 1) from a place, each weighted
+/// by its product with `weight`, at least 0.
+Eigen::Matrix4f moments_of(const std::vector<Eigen::Vector4f>& offsets,
+                           const Eigen::Vector4f& weight) {
+  Eigen::Matrix4f moments = Eigen::Matrix4f::Zero();
+  for (const Eigen::Vector4f& offset : offsets) {
+    const Eigen::Vector4f weighted = std::max(weight.dot(offset), 0.0F) * offset;
+    moments.noalias() += weighted * offset.transpose();
   }
   return moments;
 }
 
-LocalPlane local_plane(const PointGrid& grid, std::span<const Eigen::Vector3f> points,
-                       const Eigen::Vector3f& place, float radius) {
-  constexpr float fewest = 6;
+/// The plane at a place from its neighbours' offsets (x, y, z, 1).
+LocalPlane local_plane(const std::vector<Eigen::Vector4f>& offsets) {
+  constexpr std::size_t fewest = 6;
   constexpr float across = 0.05F;  // leaves the offsets across the surface alone
 
-  std::vector<Eigen::Vector3f> offsets;
-  grid.for_each_near(place, radius,
-                     [&](std::uint32_t index, float) { offsets.push_back(points[index] - place); });
-  Moments moments = moments_of(offsets, Eigen::Vector3f::Zero());
-  if (moments.count < fewest) return {};
+  if (offsets.size() < fewest) return {};
+  Eigen::Matrix4f moments = moments_of(offsets, Eigen::Vector4f::UnitW());
 
   // A slanted surface has more points towards the camera, and a rim points on one side: weighted so
   // that their mean is the place, since the normal is the one at their mean.
-  const float small = across * moments.squares.trace();
-  const Eigen::Matrix3f squares = moments.squares + small * Eigen::Matrix3f::Identity();
-  moments = moments_of(offsets, squares.ldlt().solve(moments.sum));
+  Eigen::Matrix3f squares = moments.topLeftCorner<3, 3>();
+  squares.diagonal().array() += across * squares.trace();
+  Eigen::Vector4f weight = Eigen::Vector4f::UnitW();
+  weight.head<3>() = -squares.ldlt().solve(moments.col(3).head<3>());
+  moments = moments_of(offsets, weight);
 
-  const Eigen::Matrix3f scatter =
-      moments.squares - moments.sum * moments.sum.transpose() / moments.count;
+  const float count = moments(3, 3);
+  const Eigen::Vector3f sum = moments.col(3).head<3>();
+  const Eigen::Matrix3f scatter = moments.topLeftCorner<3, 3>() - sum * sum.transpose() / count;
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> axes;
   axes.computeDirect(scatter);
 
   // Neighbours along a line do not determine a normal.
   if (!(axes.eigenvalues()(1) > 0.02F * axes.eigenvalues()(2))) return {};
-  const float freedom = std::max(moments.count - 3, 1.0F);
+  const float freedom = std::max(count - 3, 1.0F);
   return {axes.eigenvectors().col(0), std::sqrt(std::max(axes.eigenvalues()(0), 0.0F) / freedom)};
 }
 
@@ -125,9 +118,14 @@ float noise_of(std::span<const Eigen::Vector3f> points, const PointGrid& grid, f
   constexpr double flattest = 0.2;
 
   std::vector<float> roughness;
+  std::vector<Eigen::Vector4f> offsets;
   const std::size_t step = points.size() / most_looked_at + 1;
   for (std::size_t i = 0; i < points.size(); i += step) {
-    const LocalPlane plane = local_plane(grid, points, points[i], radius);
+    offsets.clear();
+    grid.for_each_near(points[i], radius, [&](std::uint32_t index, float) {
+      offsets.push_back((points[index] - points[i]).homogeneous());
+    });
+    const LocalPlane plane = local_plane(offsets);
     if (std::isfinite(plane.roughness)) roughness.push_back(plane.roughness);
   }
   return roughness.empty() ? 0 : quantile(roughness, flattest);
@@ -164,11 +162,12 @@ bool is_seen_from_origin(std::span<const Eigen::Vector3f> points, float spacing)
   const float middle = quantile(ranges, 0.5);
   const float bundle = 3 * spacing / middle;
   const Eigen::Vector3f right = axis.unitOrthogonal(), down = axis.cross(right);
-  std::map<std::pair<int, int>, float> first;
+  std::unordered_map<std::uint64_t, float> first;
   const auto bundle_of = [&](const Eigen::Vector3f& point) {
     const Eigen::Vector3f ray = point / point.dot(axis);
-    return std::pair(static_cast<int>(std::floor(ray.dot(right) / bundle)),
-                     static_cast<int>(std::floor(ray.dot(down) / bundle)));
+    const Eigen::Array2f place(ray.dot(right) / bundle, ray.dot(down) / bundle);
+    const Eigen::Array2i cell = place.floor().cast<int>();
+    return cell_key({cell.x(), cell.y(), 0});
   };
 
   for (const Eigen::Vector3f& point : points) {
@@ -262,22 +261,30 @@ View view_of(const Cloud& cloud, const Uncertainty* uncertainty, std::string nam
 
   // 2. The normals, and the noise along them.
   view.normals.resize(view.size());
-  for_each_row(static_cast<int>(view.size()), [&](int row) {
-    const auto i = static_cast<std::size_t>(row);
-    const Eigen::Vector3f& point = view.points[i];
-    Eigen::Vector3f normal = local_plane(grid, view.points, point, radius).normal;
-    const Eigen::Vector3f outwards = view.from_origin ? Eigen::Vector3f(-point) : point - middle;
-    if (normal.dot(outwards) < 0) normal = -normal;
+  const PointGrid wide(view.points, radius);
+  wide.for_each_cell([&](std::span<const std::uint32_t> inside, const NearPoints& near) {
+    thread_local std::vector<Eigen::Vector4f> offsets;
+    for (const std::uint32_t i : inside) {
+      const Eigen::Vector3f& point = view.points[i];
+      offsets.clear();
+      near.for_each_near(point, radius, [&](std::size_t, const Eigen::Vector3f& offset) {
+        offsets.push_back(offset.homogeneous());
+      });
 
-    view.normals[i] = normal;
-    float& sigma = view.sigma[i];
-    if (std::isfinite(sigma) && sigma > 0) {
-      sigma *= std::abs(normal.dot(point.normalized()));
-    } else {
-      sigma = noise;
+      Eigen::Vector3f normal = local_plane(offsets).normal;
+      const Eigen::Vector3f outwards = view.from_origin ? Eigen::Vector3f(-point) : point - middle;
+      if (normal.dot(outwards) < 0) normal = -normal;
+
+      view.normals[i] = normal;
+      float& sigma = view.sigma[i];
+      if (std::isfinite(sigma) && sigma > 0) {
+        sigma *= std::abs(normal.dot(point.normalized()));
+      } else {
+        sigma = noise;
+      }
+      // Rounding of the files, and rays along the surface.
+      sigma = std::max({sigma, noise / 10, 1e-4F * view.spacing});
     }
-    // Rounding of the files, and rays along the surface.
-    sigma = std::max({sigma, noise / 10, 1e-4F * view.spacing});
   });
 
   // 3. Points with a normal.

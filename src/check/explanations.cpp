@@ -156,7 +156,7 @@ void name_frames_broadly(const Fit& fit, bool response_known, Finding& finding) 
 
   finding.remedies = {{"compare the frames with the output of `patterns()`"}};
 
-  // Bands that differ by the same share of a period everywhere have no other fault.
+  // If bands differ by the same share of a period everywhere, the shifts of some begin elsewhere.
   constexpr double nearly_everywhere = 0.9;
   const auto is_constant = [](const BandRelation& relation) {
     return relation.agreement >= nearly_everywhere;

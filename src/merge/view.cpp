@@ -113,10 +113,12 @@ LocalPlane local_plane(const std::vector<Eigen::Vector4f>& offsets) {
 }
 
 /// Roughness below which a fifth of the surface lies: its flattest parts have only the noise.
-float noise_of(std::span<const Eigen::Vector3f> points, const PointGrid& grid, float radius) {
+/// `radius`: within which a point's neighbours are.
+float noise_of(std::span<const Eigen::Vector3f> points, float radius) {
   constexpr std::size_t most_looked_at = 5000;
   constexpr double flattest = 0.2;
 
+  const PointGrid grid(points, radius);
   std::vector<float> roughness;
   std::vector<Eigen::Vector4f> offsets;
   const std::size_t step = points.size() / most_looked_at + 1;
@@ -236,6 +238,40 @@ View points_of(const Cloud& cloud, const Uncertainty* uncertainty, std::string n
   return view;
 }
 
+/// Sets the normals, each by the neighbours within `radius`, and makes sigma the one along them.
+/// Normals point to the origin or, if the view is not seen from there, away from `middle`.
+void set_normals(View& view, float radius, float noise, const Eigen::Vector3f& middle) {
+  view.normals.resize(view.size());
+
+  const auto set_normal = [&](std::uint32_t i, const LocalPlane& plane) {
+    const Eigen::Vector3f& point = view.points[i];
+    const Eigen::Vector3f outwards = view.from_origin ? Eigen::Vector3f(-point) : point - middle;
+    const bool is_inwards = plane.normal.dot(outwards) < 0;
+    view.normals[i] = is_inwards ? Eigen::Vector3f(-plane.normal) : plane.normal;
+
+    float& sigma = view.sigma[i];
+    if (std::isfinite(sigma) && sigma > 0) {
+      sigma *= std::abs(plane.normal.dot(point.normalized()));
+    } else {
+      sigma = noise;
+    }
+    // Rounding of the files, and rays along the surface.
+    sigma = std::max({sigma, noise / 10, 1e-4F * view.spacing});
+  };
+
+  const PointGrid grid(view.points, radius);
+  grid.for_each_cell([&](std::span<const std::uint32_t> inside, const NearPoints& near) {
+    thread_local std::vector<Eigen::Vector4f> offsets;
+    for (const std::uint32_t i : inside) {
+      offsets.clear();
+      near.for_each_near(view.points[i], radius, [&](std::size_t, const Eigen::Vector3f& offset) {
+        offsets.push_back(offset.homogeneous());
+      });
+      set_normal(i, local_plane(offsets));
+    }
+  });
+}
+
 }  // namespace
 
 View view_of(const Cloud& cloud, const Uncertainty* uncertainty, std::string name,
@@ -249,8 +285,7 @@ View view_of(const Cloud& cloud, const Uncertainty* uncertainty, std::string nam
   constexpr float narrowest = 2.5F, widest = 8;  // radii, in spacings
   constexpr float steadiest = 37;
   const float first_radius = narrowest * view.spacing;
-  const PointGrid grid(view.points, first_radius);
-  const float noise = noise_of(view.points, grid, first_radius);
+  const float noise = noise_of(view.points, first_radius);
   const float radius =
       std::clamp(std::sqrt(steadiest * noise * view.spacing), first_radius, widest * view.spacing);
 
@@ -260,32 +295,7 @@ View view_of(const Cloud& cloud, const Uncertainty* uncertainty, std::string nam
   }
 
   // 2. The normals, and the noise along them.
-  view.normals.resize(view.size());
-  const PointGrid wide(view.points, radius);
-  wide.for_each_cell([&](std::span<const std::uint32_t> inside, const NearPoints& near) {
-    thread_local std::vector<Eigen::Vector4f> offsets;
-    for (const std::uint32_t i : inside) {
-      const Eigen::Vector3f& point = view.points[i];
-      offsets.clear();
-      near.for_each_near(point, radius, [&](std::size_t, const Eigen::Vector3f& offset) {
-        offsets.push_back(offset.homogeneous());
-      });
-
-      Eigen::Vector3f normal = local_plane(offsets).normal;
-      const Eigen::Vector3f outwards = view.from_origin ? Eigen::Vector3f(-point) : point - middle;
-      if (normal.dot(outwards) < 0) normal = -normal;
-
-      view.normals[i] = normal;
-      float& sigma = view.sigma[i];
-      if (std::isfinite(sigma) && sigma > 0) {
-        sigma *= std::abs(normal.dot(point.normalized()));
-      } else {
-        sigma = noise;
-      }
-      // Rounding of the files, and rays along the surface.
-      sigma = std::max({sigma, noise / 10, 1e-4F * view.spacing});
-    }
-  });
+  set_normals(view, radius, noise, middle);
 
   // 3. Points with a normal.
   std::vector<std::uint32_t> kept;

@@ -108,6 +108,9 @@ TEST(PairAlignmentRefineAlignment, ExpectsTheDistancesThatTheNoiseMakes) {
   const Pair pair = pair_of(relief(), front, other, 0.1);
   const PairAlignment found = alignment_at(pair.first, pair.second, pair.truth);
   EXPECT_NEAR(found.median / found.noise, 1, 0.1);
+
+  // The 95th percentile and the median of the size of a normal deviate: 1.960 and 0.6745.
+  EXPECT_NEAR(found.percentile_95 / found.median, 1.960 / 0.6745, 0.3);
 }
 
 TEST(PairAlignmentRoughOverlapAt, AllowsForPosesThatAreOffByTwoCells) {

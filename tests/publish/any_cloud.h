@@ -63,4 +63,17 @@ inline Pooled<LiveCloud> any_cloud(std::uint64_t sequence) {
   return pooled;
 }
 
+/// The cloud with another colour at each pixel.
+inline Pooled<LiveCloud> coloured_cloud() {
+  Pooled<LiveCloud> live = any_cloud(3);
+  Image<Colour>& colours = live.fill().cloud.colour;
+  colours = Image<Colour>(size);
+  for_each_pixel_in_order(size, [&](int column, int row) {
+    colours(column, row) = {static_cast<std::uint8_t>(4 * column),
+                            static_cast<std::uint8_t>(5 * row),
+                            static_cast<std::uint8_t>(255 - 4 * column)};
+  });
+  return live;
+}
+
 }  // namespace slipstream

@@ -16,7 +16,6 @@
 #include "io/file.h"
 #include "publish/mcap.h"
 #include "publish/mcap_reader.h"
-#include "publish/web_content.h"
 #include "slipstream/cloud_sink.h"
 #include "slipstream/error.h"
 #include "slipstream/ros_messages.h"
@@ -25,44 +24,10 @@
 #include "tests/io/small_disk.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/publish/any_cloud.h"
+#include "tests/publish/little_endian_reader.h"
 
 namespace slipstream::formats_test {
 using namespace std::string_view_literals;
-
-/// Reads consecutive little-endian values.
-struct Reader {
-  std::span<const std::uint8_t> bytes;
-  std::size_t at = 0;
-
-  template <class Number>
-  Number get() {
-    Number number;
-    std::memcpy(&number, take(sizeof number).data(), sizeof number);
-    return number;
-  }
-  std::span<const std::uint8_t> take(std::size_t count) {
-    EXPECT_LE(at + count, bytes.size());
-    at += count;
-    return bytes.subspan(at - count, count);
-  }
-  std::string text() {
-    const auto length = get<std::uint32_t>();
-    const auto letters = take(length);
-    return {letters.begin(), letters.end()};
-  }
-  /// CDR alignment, counted from the end of the 4-byte header.
-  template <class Number>
-  Number aligned() {
-    while ((at - 4) % sizeof(Number) != 0) ++at;
-    return get<Number>();
-  }
-  std::string aligned_text() {
-    const auto length = aligned<std::uint32_t>();
-    const auto letters = take(length);
-    EXPECT_EQ(letters.back(), 0);
-    return {letters.begin(), letters.end() - 1};
-  }
-};
 
 using Bytes = std::vector<std::uint8_t>;
 
@@ -75,12 +40,12 @@ struct McapFile {
   bool has_end = false;
 };
 
-void read_records(Reader reader, McapFile& file) {
+void read_records(LittleEndianReader reader, McapFile& file) {
   while (reader.at + 9 <= reader.bytes.size()) {
     const auto opcode = reader.get<std::uint8_t>();
     const auto length = reader.get<std::uint64_t>();
     if (reader.at + length > reader.bytes.size()) return;  // incomplete last record
-    Reader record{reader.take(length)};
+    LittleEndianReader record{reader.take(length)};
     if (opcode == 3) {
       const auto number = record.get<std::uint16_t>();
       file.schemas[number] = record.text();
@@ -139,7 +104,7 @@ McapFile read_mcap(const std::filesystem::path& path) {
 }
 
 void expect_points(const Bytes& message, const Cloud& cloud) {
-  Reader cdr{message};
+  LittleEndianReader cdr{message};
   EXPECT_EQ(cdr.get<std::uint32_t>(), 0x100U);  // little-endian CDR
   EXPECT_GT(cdr.aligned<std::int32_t>(), 1'700'000'000);
   EXPECT_LT(cdr.aligned<std::uint32_t>(), 1'000'000'000U);
@@ -354,71 +319,6 @@ TEST(Formats, McapNamesOfChannelsAreShort) {
                {"long.mcap", "5000 letters; limit 4096"});
 }
 
-TEST(Formats, WebCloudGivesBackEachPointWithinHalfAStep) {
-  const Pooled<LiveCloud> live = any_cloud(5);
-  const std::string rays = web_rays(camera()), bytes = web_cloud(*live);
-  const std::size_t pixels = live->cloud.z.pixel_count();
-  ASSERT_EQ(rays.size(), 8 * pixels);
-  ASSERT_EQ(bytes.size(), 24 + 3 * pixels);
-  Reader message{{reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}};
-  EXPECT_EQ(message.get<std::int32_t>(), size.width);
-  EXPECT_EQ(message.get<std::int32_t>(), size.height);
-  EXPECT_EQ(message.get<std::int32_t>(), 1);
-  EXPECT_EQ(message.get<std::int32_t>(), static_cast<std::int32_t>(point_count(live->cloud)));
-  const auto nearest = message.get<float>(), step = message.get<float>();
-  EXPECT_LT(step, 0.005F) << "of 300 mm";
-  std::vector<float> u(2 * pixels);
-  std::memcpy(u.data(), rays.data(), rays.size());
-  for (std::size_t i = 0; i < pixels; ++i) {
-    const auto steps = message.get<std::uint16_t>();
-    const float true_z = live->cloud.z.begin()[i];
-    ASSERT_EQ(steps == 0, std::isnan(true_z));
-    if (steps == 0) continue;
-    const float z = nearest + static_cast<float>(steps - 1) * step;
-    EXPECT_NEAR(z, true_z, 0.51F * step + 1e-4F);
-    EXPECT_NEAR(u[2 * i] * z, live->cloud.x.begin()[i], step);
-    EXPECT_NEAR(u[2 * i + 1] * z, live->cloud.y.begin()[i], step);
-  }
-  EXPECT_EQ(message.get<std::uint8_t>(), grey_level(live->cloud.intensity(0, 0)));
-}
-
-TEST(Formats, WebCloudThinsLargePicturesAndShowsFramesWhereThereAreNoPoints) {
-  EXPECT_EQ(web_step({640, 480}), 1);
-  EXPECT_EQ(web_step({4096, 3000}), 4);
-  Pooled<LiveCloud> live = any_cloud(1);
-  live.fill().cloud = Cloud();
-  Frame frame(FrameFormat{size, 12});
-  std::get<Image<std::uint16_t>>(frame.pixels)(0, 0) = 0xabc;
-  Pool<Frame> frames(1, [&] { return frame; });
-  live.fill().frames.assign(1, frames.take());
-  const std::string bytes = web_cloud(*live);
-  ASSERT_EQ(bytes.size(), 24U + 3U * 61 * 43);
-  EXPECT_EQ(static_cast<std::uint8_t>(bytes[24 + 2 * 61 * 43]), 0xab);
-}
-
-/// The cloud with another colour at each pixel.
-Pooled<LiveCloud> coloured_cloud() {
-  Pooled<LiveCloud> live = any_cloud(3);
-  Image<Colour>& colours = live.fill().cloud.colour;
-  colours = Image<Colour>(size);
-  for_each_pixel_in_order(size, [&](int column, int row) {
-    colours(column, row) = {static_cast<std::uint8_t>(4 * column),
-                            static_cast<std::uint8_t>(5 * row),
-                            static_cast<std::uint8_t>(255 - 4 * column)};
-  });
-  return live;
-}
-
-TEST(Formats, WebCloudHasTheColoursBeforeThePhase) {
-  const Pooled<LiveCloud> live = coloured_cloud();
-  const std::size_t pixels = live->cloud.z.pixel_count();
-  const std::string bytes = web_cloud(*live, Image<std::uint8_t>(size, 9));
-  ASSERT_EQ(bytes.size(), 24 + (2 + 1 + 3 + 1) * pixels);
-  EXPECT_EQ(bytes[8], 3) << "depth and colours";
-  EXPECT_EQ(std::memcmp(bytes.data() + 24 + 3 * pixels, live->cloud.colour.begin(), 3 * pixels), 0);
-  EXPECT_EQ(bytes.back(), 9);
-}
-
 // rviz and PCL read the bytes of a float named rgb: blue, green, red and nothing.
 TEST(Formats, RosMessagesHaveColoursPackedInAFloat) {
   const Pooled<LiveCloud> live = coloured_cloud();
@@ -427,7 +327,7 @@ TEST(Formats, RosMessagesHaveColoursPackedInAFloat) {
     RosMessage message;
     write_point_cloud(live->cloud, {1}, message, has_sigma ? &sigma : nullptr);
 
-    Reader cdr{message};
+    LittleEndianReader cdr{message};
     cdr.take(12);
     cdr.aligned_text();
     cdr.aligned<std::uint32_t>();
@@ -465,7 +365,7 @@ TEST(Formats, RosMessagesHaveAPictureInColour) {
   const Pooled<LiveCloud> live = coloured_cloud();
   RosMessage message;
   write_image(live->cloud, {1}, message);
-  Reader cdr{message};
+  LittleEndianReader cdr{message};
   cdr.take(12);
   cdr.aligned_text();
   cdr.aligned<std::uint32_t>();
@@ -475,26 +375,6 @@ TEST(Formats, RosMessagesHaveAPictureInColour) {
   EXPECT_EQ(cdr.aligned<std::uint32_t>(), 3U * 61) << "bytes of a row";
   const auto data = cdr.take(cdr.aligned<std::uint32_t>());
   EXPECT_EQ(std::memcmp(data.data(), live->cloud.colour.begin(), data.size()), 0);
-}
-
-TEST(Formats, MetricsNamesWhatTheStatisticsSay) {
-  EXPECT_EQ(metrics_of(R"({"frames": {"lost": 2}, "latency_ms": {"p99": 1.5}, "source": "virtual",
-                           "stages": [{"name": "a\"b", "rate": 3, "done": 4}], "findings": [{}, {}],
-                           "track": {"centre_mm": [1, 2]}, "model": null})"),
-            R"(# TYPE slipstream_findings gauge
-slipstream_findings 2
-# TYPE slipstream_frames_lost_total counter
-slipstream_frames_lost_total 2
-# TYPE slipstream_latency_ms_p99 gauge
-slipstream_latency_ms_p99 1.5
-# TYPE slipstream_stages_done_total counter
-slipstream_stages_done_total{name="a\"b"} 4
-# TYPE slipstream_stages_rate gauge
-slipstream_stages_rate{name="a\"b"} 3
-# TYPE slipstream_track_centre_mm gauge
-slipstream_track_centre_mm{index="0"} 1
-slipstream_track_centre_mm{index="1"} 2
-)");
 }
 
 }  // namespace slipstream::formats_test

@@ -134,6 +134,25 @@ TEST(Hints, RoundOriginsToAStepOfTheShifts) {
             std::string::npos);
 }
 
+// An error of d turns moves the relation of 7 periods to 1 by 6 d: no whole number, and no quarter.
+TEST(Hints, FindOriginsByTheRelationOfTheBands) {
+  const auto with_origin = [](const char* origin) {
+    return make_strategy("dual-frequency",
+                         {{"steps", 5}, {"high", 7}, {"low", 1}, {"origin", origin}});
+  };
+  EXPECT_NE(advice_if_read_as(with_origin("1.25664"), with_origin("0")).find("`origin 1.2566`"),
+            std::string::npos);
+}
+
+// The phase that is added to the measured one and an origin that is as much less are the same.
+TEST(Hints, OriginThatFitsMakesUpForThePhase) {
+  const double phase = 2, shift = 0.7;
+  const Finding finding = wrong_origin(make_strategy("gray-phase", {{"origin", 0.2}}), shift);
+  const double fits = finding.evidence.at(0).value;
+  EXPECT_NEAR(unshifted_phase({.origin = fits}, phase),
+              unshifted_phase({.origin = 0.2}, phase) + shift, 1e-9);
+}
+
 // Stripes of 40 pixels number periods of 1280 / 36 pixels: the difference grows along the field.
 TEST(Hints, ProposeNoOriginForStripesOfAnotherWidth) {
   const Scan of_periods = right_scan("statue", GrayPhase{.periods = 36, .bits = 6});

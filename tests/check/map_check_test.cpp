@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "base/numbers.h"
+#include "check/map_evidence.h"
 #include "slipstream/engine.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/scan.h"
@@ -173,6 +174,22 @@ INSTANTIATE_TEST_SUITE_P(
                     pixels,
                     {{"origin", "-640"}}}),
     [](const auto& info) { return std::string(info.param.name); });
+
+TEST(MapCheck, NamesAWholeMapInOnePixel) {
+  const auto findings = findings_of(coordinates_of("statue", Axis::x), pixels);
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_NE(findings.front().what.find("lie in one projector pixel"), std::string::npos)
+      << text_of(findings.front());
+}
+
+TEST(MapCheck, EndsOfTheLightChangePlacesIfTheMapIsReversed) {
+  const MapEvidence reversed =
+      changed({.low = LightEnd{0.1, 0.02}, .high = LightEnd{0.7, 0.03}}, -2, 2);
+  EXPECT_DOUBLE_EQ(reversed.low->coordinate, 0.6);
+  EXPECT_DOUBLE_EQ(reversed.low->step, 0.06);
+  EXPECT_DOUBLE_EQ(reversed.high->coordinate, 1.8);
+  EXPECT_DOUBLE_EQ(reversed.high->step, 0.04);
+}
 
 TEST(MapCheck, NamesTheOtherAxis) {
   const std::vector<Finding> findings =

@@ -1,17 +1,18 @@
-// Evidence in frames without a scene: pixels whose levels follow from an equation.
-#include <algorithm>
+// Frames without a scene: levels of pixels that follow from an equation.
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <numbers>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "base/numbers.h"
 #include "check/code_evidence.h"
+#include "check/colour_mosaic.h"
 #include "check/damaged_frames.h"
 #include "check/fit.h"
 #include "check/frame_faults.h"
@@ -28,31 +29,179 @@ constexpr Size size{320, 240};
 /// The level of frame n at a pixel.
 using Level = std::function<double(int n, int column, int row)>;
 
-/// Pictures of these levels, with the model of their patterns.
-struct Frames {
-  template <class Pixel = std::uint8_t>
-  static ScanSamples samples_of(int count, const Level& level, int bits, double least_range) {
-    std::vector<Image<Pixel>> pictures(static_cast<std::size_t>(count), Image<Pixel>(size));
-    for (int n = 0; n < count; ++n) {
+/// A scan whose camera pixels see one projector pixel each, read as that strategy.
+struct SyntheticScan {
+  SyntheticScan(const Strategy& strategy, const Level& level, int bits = 8, double least_range = 22)
+      : sequence{.strategy = strategy, .projector = size} {
+    std::vector<Image<std::uint16_t>> pictures;
+    for (int n = 0; n < samples.frames(); ++n) {
+      Image<std::uint16_t>& picture = pictures.emplace_back(size);
       for_each_pixel_in_order(size, [&](int column, int row) {
-        pictures[static_cast<std::size_t>(n)](column, row) =
-            static_cast<Pixel>(std::lround(level(n, column, row)));
+        picture(column, row) = static_cast<std::uint16_t>(std::lround(level(n, column, row)));
       });
     }
-
-    ScanSamples samples(size, count);
     samples.take(FrameSet(std::move(pictures), bits), {.least_range = least_range});
-    return samples;
   }
+
+  [[nodiscard]] JudgedScan judged() const {
+    return {model, samples, sequence, nullptr, photometry, settings};
+  }
+
+  Sequence sequence;
+  PhotometricCalibration photometry{.noise_variance = 1.0 / 12};  // of rounding
+  CheckSettings settings{};
+  FrameModel model{sequence, photometry};
+  ScanSamples samples{size, model.layout().frames};
 };
 
-/// The column as a coordinate: each camera pixel sees one projector pixel.
+/// The column as a coordinate.
 double along(double column) {
   return column / size.width;
 }
 
-Sequence sequence_of(const Strategy& strategy) {
-  return {.strategy = strategy, .projector = size};
+/// Frames of a strategy along x, from `dark` to `dark` + `range`.
+Level shown(const Strategy& strategy, double dark, double range) {
+  return [=](int n, int column, int) { return dark + range * strategy.shape(n, along(column)); };
+}
+
+const Strategy sinusoids = make_strategy("dual-frequency", {{"steps", 4}});
+
+TEST(SyntheticFrames, ReachTheTopAtACrestWithoutClipping) {
+  const SyntheticScan scan(sinusoids, shown(sinusoids, 20, 180));
+  EXPECT_TRUE(light_faults(scan.model, scan.samples, 8, 15).empty());
+}
+
+TEST(SyntheticFrames, TellTheirBits) {
+  for (const int bits : {10, 12, 14}) {
+    const double top = (1 << bits) - 1;
+    const SyntheticScan scan(sinusoids, shown(sinusoids, 0.1 * top, 0.8 * top), 16);
+    const Finding finding = light_faults(scan.model, scan.samples, 16, 15).at(0);
+    EXPECT_EQ(finding.remedies.at(0).settings,
+              (std::vector<SettingChange>{{"camera_bits", std::to_string(bits)}}))
+        << text_of(finding);
+  }
+}
+
+// An exposure that suffices is 20 / 18 times as long: the brighter room would then saturate.
+TEST(SyntheticFrames, TooDimAreBlamedOnTheRoomIfMoreExposureSaturates) {
+  for (const auto& [mean, kind] : {std::pair(233, FindingKind::strong_ambient_light),
+                                   std::pair(120, FindingKind::low_modulation)}) {
+    const SyntheticScan scan(sinusoids, shown(sinusoids, mean - 18, 36), 8, 30);
+    const std::vector<Finding> findings = light_faults(scan.model, scan.samples, 8, 20);
+    ASSERT_EQ(findings.size(), 1U) << mean;
+    EXPECT_EQ(findings.front().kind, kind) << mean;
+  }
+}
+
+TEST(SyntheticFrames, OfAColourMosaicGiveTheRatioOfItsGains) {
+  const Level grey = shown(sinusoids, 20, 200);
+  const SyntheticScan scan(sinusoids, [&](int n, int column, int row) {
+    return grey(n, column, row) / ((column + row) % 2 + 1);
+  });
+  const std::optional<Finding> mosaic = colour_mosaic(scan.samples);
+  ASSERT_TRUE(mosaic);
+  EXPECT_NEAR(mosaic->evidence.front().value, 2, 0.02);
+}
+
+// A gamma widens the dark part of a sinusoid, and leaves its edges soft.
+TEST(SyntheticFrames, WithADarkPartLackNoRows) {
+  const SyntheticScan scan(sinusoids, [](int n, int, int row) {
+    return 200 * std::pow(sinusoids.shape(n, static_cast<double>(row) / size.height), 2.2);
+  });
+  EXPECT_TRUE(damaged_frames(scan.samples).empty());
+}
+
+// Noise of 4 grey levels changes a neighbour in the same frames by more than 4 in 24 % of the
+// pixels: by normal deviates.
+TEST(SyntheticFrames, OfNoiseAreNotDim) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise(40, 4);
+  const Level pattern = shown(sinusoids, 20, 200);
+  const SyntheticScan scan(sinusoids, [&](int n, int column, int row) {
+    return column < 0.3 * size.width ? pattern(n, column, row) : noise(random);
+  });
+  EXPECT_LT(scan.samples.dim_share(), 0.5);
+}
+
+/// The code's evidence of frames that show one strategy and are read as another.
+CodeEvidence code_of(const Strategy& read, const Level& level) {
+  const SyntheticScan scan(read, level);
+  return code_evidence(scan.model, scan.samples, scan.model.identity());
+}
+
+// An edge lies between two pixels. Its offset is one of the origin beyond a tenth of a pixel, here
+// 0.01 periods, more than the limit of 0.035.
+TEST(SyntheticFrames, OfACodeGiveTheErrorOfTheOrigin) {
+  const auto with_origin = [](double origin) {
+    return make_strategy("gray-phase", {{"periods", 32}, {"bits", 5}, {"origin", origin}});
+  };
+  const auto offset_of = [&](double error) {
+    return code_of(with_origin(0), shown(with_origin(two_pi * error), 20, 200)).offset;
+  };
+  EXPECT_NEAR(offset_of(0), 0, 0.01);
+  EXPECT_LE(std::abs(offset_of(0.04)), 0.035);
+  EXPECT_NEAR(std::abs(offset_of(0.06)), 0.06, 0.01);
+}
+
+// Then every second stripe seems to be followed by the next but one.
+TEST(SyntheticFrames, OfAPlainCodeMayHaveTheFinestBitAside) {
+  const Strategy code = make_strategy("gray", {{"bits", 5}, {"plain", true}});
+  const CodeEvidence evidence = code_of(code, [&](int n, int column, int) {
+    return 20 + 200 * code.shape(n, along(n == 4 ? column - 2 : column));
+  });
+  EXPECT_EQ(evidence.torn, 0);
+}
+
+TEST(SyntheticFrames, OfSinglePeriodsGiveTheErrorOfTheOrigin) {
+  const Strategy off = make_strategy("micro", {{"origin", 0.1}});
+  const SyntheticScan scan(make_strategy("micro", {}), shown(off, 20, 200));
+  FrameJudge judge(scan.model);
+  EXPECT_NEAR(judge(scan.samples, scan.model.identity()).origin, 0.1, 0.02);
+}
+
+// The light is constant over two camera pixels, a tenth of a period. The phase within a projector
+// pixel is uniformly distributed, with the variance 1 / 12.
+TEST(SyntheticFrames, OfCoarseProjectorPixelsAreNotNoisy) {
+  const Strategy strategy = make_strategy("dual-frequency", {{"steps", 4}, {"high", 32}});
+  const SyntheticScan scan(strategy, [&](int n, int column, int row) {
+    return 20 + 200 * strategy.shape(n, along((column + row) / 2));
+  });
+  EXPECT_NEAR(phase_noise(scan.model, scan.judged()).by_pixel, two_pi / 10 / std::sqrt(12), 1e-6);
+  for (const Finding& finding : method_limits(scan.judged(), {})) {
+    EXPECT_NE(finding.kind, FindingKind::excess_noise) << text_of(finding);
+  }
+}
+
+// Blurred stripes: odd harmonics k with the factors s^((k^2 - 1) / 8) / k.
+TEST(SyntheticFrames, OfStripesTellTheErrorOfTheirPhase) {
+  const Strategy strategy = make_strategy("dual-frequency", {{"steps", 6}});
+  const SyntheticScan scan(strategy, [&](int n, int column, int) {
+    const double c = 2 * strategy.shape(n, along(column)) - 1;
+    const double third = 4 * c * c * c - 3 * c, fifth = c * (16 * std::pow(c, 4) - 20 * c * c + 5);
+    return 120 + 100 * (c - 0.6 / 3 * third + std::pow(0.6, 3) / 5 * fifth);
+  });
+  const auto waveform = waveform_of(scan.model, scan.judged(), scan.model.identity());
+  ASSERT_TRUE(waveform);
+
+  double square = 0;
+  SampleReading reading;
+  for (std::size_t g = 0; g < scan.samples.groups(); ++g) {
+    scan.model.read(scan.samples.levels(g, ScanSamples::middle), scan.model.identity(), reading);
+    const std::size_t band = scan.model.measuring_band();
+    const double truth =
+        two_pi * scan.model.layout().bands[band].periods * along(scan.samples.column(g));
+    square += std::pow(std::remainder(reading.phase[band] - truth, two_pi), 2);
+  }
+  const double error = std::sqrt(square / static_cast<double>(scan.samples.groups()));
+  EXPECT_NEAR(waveform->phase_error, error, 0.25 * error);  // to first order
+}
+
+// Levels that wrap around change all the same way.
+TEST(SyntheticFrames, OfTwoSurfacesHaveNotWrapped) {
+  const SyntheticScan scan(make_strategy("pmp", {{"steps", 5}}), [](int n, int column, int) {
+    return n > 1 ? 120 : n == column % 2 ? 220 : 20;
+  });
+  EXPECT_FALSE(wrapped_levels(scan.model.layout(), scan.samples));
 }
 
 }  // namespace slipstream::synthetic_frames_test

@@ -96,6 +96,16 @@ void tell_pictures(const LiveSession& session, Output& output) {
       measured, too_dark, saturated, report.modulation);
 }
 
+/// The error of a run whose results need a cloud, and that had none.
+WorldError no_cloud(const std::string& file, std::string_view purpose, const LiveSession& session,
+                    const LiveStatistics& statistics) {
+  const auto needed = static_cast<std::uint64_t>(frame_count(session.setup().sequence));
+  if (statistics.frames.captured >= needed) return WorldError(fmt::format("{}: {}", file, purpose));
+
+  return WorldError(fmt::format("{}: {}; a cloud takes {} frames, and {} came", file, purpose,
+                                needed, statistics.frames.captured));
+}
+
 /// Prints the session's statistics and writes its last cloud as requested.
 void write_results(LiveSession& session, const LiveFlags& flags, Output& output) {
   const LiveStatistics statistics = session.pipeline().statistics();
@@ -116,7 +126,7 @@ void write_results(LiveSession& session, const LiveFlags& flags, Output& output)
   if (!flags.output.empty()) {
     const Pooled<LiveCloud> last = session.pipeline().newest();
     if (!last || (flags.live.fuse && !last->fused)) {
-      throw WorldError(fmt::format("{}: no cloud to write", flags.output));
+      throw no_cloud(flags.output, "no cloud to write", session, statistics);
     }
     const std::string file = session.file_to_write(flags.output);
     const std::vector<std::string> remarks = remarks_about(statistics.findings);
@@ -133,7 +143,7 @@ void write_results(LiveSession& session, const LiveFlags& flags, Output& output)
   if (!flags.model.empty()) {
     const ModelPoints model = session.pipeline().model();
     if (model.cloud.z.empty()) {
-      throw WorldError(fmt::format("{}: no cloud to build a model from", flags.model));
+      throw no_cloud(flags.model, "no cloud to build a model from", session, statistics);
     }
     const std::string file = session.file_to_write(flags.model);
     write_cloud(file, model.cloud, {.normals = &model.normals, .frame = frame});

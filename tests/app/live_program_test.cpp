@@ -245,6 +245,18 @@ TEST(LiveProgram, FollowsASphereAndMakesAModelOfIt) {
   EXPECT_TRUE(fs::exists(model));
 }
 
+TEST(LiveProgram, TellsHowManyFramesACloudTakes) {
+  // Four steps, and two frames more that measure motion.
+  const TemporaryFolder folder;
+  const std::string cloud = (folder.path() / "cloud.ply").string();
+  for (const char* const flag : {"--output", "--model"}) {
+    const ProgramRun run = run_program(with(small, {"--frames", "5", flag, cloud}));
+    EXPECT_NE(run.exit_code, 0) << flag;
+    EXPECT_NE(run.err.find("a cloud takes 6 frames, and 5 came"), std::string::npos) << run.err;
+    EXPECT_FALSE(fs::exists(cloud)) << flag;
+  }
+}
+
 TEST(LiveProgram, RefusesWhatCannotBe) {
   const auto expect_refused = [](const std::vector<std::string>& arguments,
                                  const std::string& named) {

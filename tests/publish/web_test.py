@@ -56,6 +56,10 @@ class Live:
         return self
 
     def __exit__(self, *_):
+        # Shown if a test fails because the program ended by itself.
+        if (code := self.process.poll()) is not None:
+            print(f"it had ended with {code}: {self.words.read_text()}")
+
         self.process.kill()
         self.process.wait()
 

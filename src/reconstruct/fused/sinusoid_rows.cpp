@@ -199,27 +199,29 @@ HWY_INLINE void decode_vectors(const SinusoidStage& stage, const Sums& sums,
     store_levels(stage, sum.sum, square, row, vector_at(i, k));
   });
 
-  // 3. Mostly no pixel is dark or saturated: store the turns.
+  // 3. Mostly no pixel is dark or saturated. Otherwise set the flags first; the turns of dark
+  // pixels may not be wanted.
   const bool saturated = saturation.template among<count>(i);
-  if (HWY_LIKELY(hn::AllFalse(d, any_dark) && !saturated)) {
-    const Several<count> turn = turns<N, count>(stage, U, V);
-    return each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-      if (!row.another) hn::StoreU(hn::Zero(di), di, row.flags + vector_at(i, k));
-      hn::StoreU(turn[k], d, row.turn + vector_at(i, k));
-    });
+  const bool flagged = !hn::AllFalse(d, any_dark) || saturated;
+  if (HWY_UNLIKELY(flagged)) {
+    store_flags(sums, dark, saturated, row, i);
+
+    if (row.only_lit && all_dark<count>(row, i)) {
+      if (!row.nan_if_flagged) return;
+      return each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+        hn::StoreU(nans(), d, row.turn + vector_at(i, k));
+      });
+    }
   }
 
-  // 4. Otherwise set the flags first.
-  store_flags(sums, dark, saturated, row, i);
+  // 4. The turns, at one place: their code is long, and compiled for many kinds of sums.
+  const Several<count> turn = turns<N, count>(stage, U, V);
+  if (HWY_UNLIKELY(flagged)) return store_turns(turn, row, i);
 
-  // 5. Then the turns, unless all pixels are dark and their turns are not wanted.
-  if (row.only_lit && all_dark<count>(row, i)) {
-    if (!row.nan_if_flagged) return;
-    return each<count>([&](std::size_t k)
-                           SLIPSTREAM_STEP { hn::StoreU(nans(), d, row.turn + vector_at(i, k)); });
-  }
-
-  store_turns(turns<N, count>(stage, U, V), row, i);
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    if (!row.another) hn::StoreU(hn::Zero(di), di, row.flags + vector_at(i, k));
+    hn::StoreU(turn[k], d, row.turn + vector_at(i, k));
+  });
 }
 
 template <int N, class Sums, class Saturated>

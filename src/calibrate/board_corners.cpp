@@ -208,8 +208,9 @@ std::optional<double> corner_contrast(const cv::Mat& mean, cv::Point2f corner, c
   return std::abs((*a + *d) - (*b + *c)) / 2;
 }
 
-/// Throws Error if the board has corners one row or column further out. Beyond the true edge half
-/// of the squares are missing, and with them half of the contrast.
+/// Throws Error if the board has corners one row or column further out, or between those found.
+/// Beyond the true edge half of the squares are missing, and with them half of the contrast; half
+/// way between two corners there is an edge.
 void require_whole(const CalibrationBoard& board, const cv::Mat& mean, const Corners& corners) {
   constexpr double share_of_contrast = 0.75;
   constexpr std::size_t fewest_seen = 3;
@@ -231,10 +232,12 @@ void require_whole(const CalibrationBoard& board, const cv::Mat& mean, const Cor
   const int right = board.columns - 1, bottom = board.rows - 1;
   const auto check = [&](int count, const auto& corner_of) {
     const std::vector<double> inside = contrast(count, corner_of, 0);
-    const std::vector<double> outside = contrast(count, corner_of, 1);
-    if (inside.size() < fewest_seen || outside.size() < fewest_seen) return;
-    throw_if(median(outside) >= share_of_contrast * median(inside),
-             "the board has more than {}x{} corners; check `corners`", board.columns, board.rows);
+    for (const float outwards : {1.0F, -0.5F}) {
+      const std::vector<double> further = contrast(count, corner_of, outwards);
+      if (inside.size() < fewest_seen || further.size() < fewest_seen) continue;
+      throw_if(median(further) >= share_of_contrast * median(inside),
+               "the board has more than {}x{} corners; check `corners`", board.columns, board.rows);
+    }
   };
 
   // The left, right, upper and lower side.

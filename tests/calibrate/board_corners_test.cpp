@@ -20,14 +20,18 @@ struct Picture {
   std::vector<Eigen::Vector2d> truth;
 };
 
-Picture picture_of(const CalibrationBoard& board, double turn, Size size = {480, 400}) {
+/// `tilt`: in perspective, a place at (x, y) pixels from the middle, along the board, is seen at
+/// (x, y) / (1 - tilt x).
+Picture picture_of(const CalibrationBoard& board, double turn, Size size = {480, 400},
+                   double tilt = 0) {
   constexpr int fine = 4;  // samples along each side of a pixel
   const Image<std::uint8_t> drawn = draw_board(board, side * fine);
   const Eigen::Vector2d middle(size.width / 2.0 - 0.5, size.height / 2.0 - 0.5);
   const Eigen::Rotation2D<double> rotation(turn);
   Picture picture{{Image<float>(size), Image<float>(size)}, {}};
   const auto grey_at = [&](const Eigen::Vector2d& pixel) -> double {
-    const Eigen::Vector2d on_board = rotation.inverse() * (pixel - middle) * fine;
+    const Eigen::Vector2d seen = rotation.inverse() * (pixel - middle);
+    const Eigen::Vector2d on_board = seen / (1 + tilt * seen.x()) * fine;
     const double column = std::floor(on_board.x() + drawn.width() / 2.0);
     const double row = std::floor(on_board.y() + drawn.height() / 2.0);
     const bool inside = column >= 0 && row >= 0 && column < drawn.width() && row < drawn.height();
@@ -50,7 +54,7 @@ Picture picture_of(const CalibrationBoard& board, double turn, Size size = {480,
                               2.0 * side - drawn.height() / 2.0 / fine);
   for (const Eigen::Vector3d& place : printed_places(board)) {
     const Eigen::Vector2d on_board = first + place.head<2>() / board.spacing * side;
-    picture.truth.emplace_back(middle + rotation * on_board);
+    picture.truth.emplace_back(middle + rotation * on_board / (1 - tilt * on_board.x()));
   }
   return picture;
 }
@@ -113,6 +117,12 @@ TEST(BoardCorners, OfASymmetricGridAreFoundToAFractionOfAPixel) {
   for (const double turn : {0.0, 0.2, -0.6}) expect_found(board, picture_of(board, turn), 0.15);
 }
 
+// The ellipse that a tilted circle becomes has another centre.
+TEST(BoardCorners, OfTiltedCirclesAreTheirCentres) {
+  const CalibrationBoard board{.kind = BoardKind::symmetric_circles, .columns = 9, .rows = 7};
+  expect_found(board, picture_of(board, 0, {480, 400}, 0.004), 0.15);
+}
+
 TEST(BoardCorners, OfWhiteCirclesAreThoseOfDarkOnes) {
   for (const BoardKind kind : {BoardKind::circles, BoardKind::symmetric_circles}) {
     const CalibrationBoard board{.kind = kind, .columns = 4, .rows = 9};
@@ -145,9 +155,11 @@ TEST(BoardCorners, ABoardOfAnotherSizeIsToldByItsSize) {
   const Picture picture = picture_of({.columns = 9, .rows = 7}, 0.1);
   EXPECT_FALSE(find_board({.columns = 9, .rows = 8}, picture.seen));
   EXPECT_EQ(chessboard_size(picture.seen), (Size{9, 7}));
-  // A smaller board found inside it must be recognised as part of a larger one.
-  for (const CalibrationBoard& smaller :
-       {CalibrationBoard{.columns = 8, .rows = 7}, CalibrationBoard{.columns = 9, .rows = 6}}) {
+  // A smaller board found inside it must be recognised as part of a larger one: the detector finds
+  // 5x3 adjacent corners, and 5x4 that leave out every second one.
+  for (const auto& [columns, rows] :
+       {std::pair(8, 7), std::pair(9, 6), std::pair(5, 3), std::pair(5, 4), std::pair(9, 4)}) {
+    const CalibrationBoard smaller{.columns = columns, .rows = rows};
     try {
       EXPECT_FALSE(find_board(smaller, picture.seen));
     } catch (const Error& error) {

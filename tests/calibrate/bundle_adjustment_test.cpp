@@ -31,6 +31,44 @@ TEST(BundleAdjustment, OfExactCornersGivesTheTruth) {
   }
 }
 
+// Each map is a bow of two pixels: T_2 along both axes.
+TEST(BundleAdjustment, KeepsTheResidualMapsOfBothLenses) {
+  Scanner truth = example_scanner();
+  for (Lens* lens : {&truth.camera, &truth.projector}) {
+    const Eigen::Vector2d half(lens->size.width / 2.0, lens->size.height / 2.0);
+    lens->residual = {.centre = half, .half = half, .terms = {6, Eigen::Vector2d(0, 0)}};
+    lens->residual.terms[2] = {0, 2};
+    lens->residual.terms[5] = {2, 0};
+  }
+  const auto places = printed_places(board);
+  const VirtualViews boards = virtual_views(truth, board, places, 6, 0);
+  const Scanner found =
+      bundle_adjusted(boards.views, {truth, boards.poses, places}, places, {}).scanner;
+  EXPECT_TRUE(found.camera.intrinsic.isApprox(truth.camera.intrinsic, 1e-5));
+  EXPECT_TRUE(found.projector.intrinsic.isApprox(truth.projector.intrinsic, 1e-5));
+  EXPECT_EQ(found.projector.residual, truth.projector.residual);
+}
+
+// Camera corners that are off move the projector's by the slope; that is not its own error.
+TEST(BundleAdjustment, DeviationOfTheProjectorIsWithoutThatOfTheCamera) {
+  const Scanner truth = example_scanner();
+  const auto places = printed_places(board);
+  VirtualViews boards = virtual_views(truth, board, places, 2, 0);
+  Eigen::Matrix2d slope;
+  slope << 1.7, 0.2, -0.15, 1.6;
+  for (BoardView& view : boards.views) {
+    view.slopes.assign(places.size(), slope);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const Eigen::Vector2d off = 0.3 * Eigen::Vector2d(i % 2 == 0 ? 1 : -1, i % 3 == 0 ? 1 : -1);
+      view.camera[i] += off;
+      view.projector[i] += slope * off;
+    }
+  }
+  const PixelDeviations found = pixel_deviations(boards.views, {truth, boards.poses, places});
+  EXPECT_NEAR(found.camera, 0.3 * 1.4826, 0.01);  // of a median
+  EXPECT_LT(found.projector, 0.01);
+}
+
 TEST(BundleAdjustment, OneWrongCornerInAHundredHardlyMatters) {
   const Scanner truth = example_scanner();
   const auto places = printed_places(board);

@@ -173,6 +173,28 @@ TEST_F(GeometryCalibrationOfCorners, ChoosesNoMoreCoefficientsThanThereAre) {
   EXPECT_EQ(k[4], 0);
 }
 
+TEST_F(GeometryCalibrationOfCorners, KnowsTheDepthsAndTheLargestTiltOfTheBoards) {
+  const VirtualViews seen = boards(6);
+  double nearest = 1e9, farthest = 0, tilt = 0;
+  for (const Eigen::Isometry3d& pose : seen.poses) {
+    for (const Eigen::Vector3d& place : printed_places(board)) {
+      nearest = std::min(nearest, (pose * place).z());
+      farthest = std::max(farthest, (pose * place).z());
+    }
+    for (const Eigen::Isometry3d& other : seen.poses) {
+      tilt =
+          std::max(tilt, std::acos(std::min(1.0, pose.linear().col(2).dot(other.linear().col(2)))));
+    }
+  }
+
+  const GeometryCalibration found = calibrated(seen.views, plain);
+  EXPECT_NEAR(found.largest_tilt, tilt, 0.5 * degree);
+  const auto& depths = found.state.scanner.calibrated_depths;
+  ASSERT_TRUE(depths);
+  EXPECT_NEAR(depths->nearest, nearest, 2);
+  EXPECT_NEAR(depths->farthest, farthest, 2);
+}
+
 TEST_F(GeometryCalibrationOfCorners, TellsFewPosesAndParallelBoards) {
   const auto warned = [](const GeometryCalibration& calibration, const std::string& words) {
     for (const Finding& finding : calibration.findings) {

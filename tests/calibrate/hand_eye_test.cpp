@@ -270,6 +270,16 @@ TEST(HandEye, FindsABoardOfAnotherSize) {
   EXPECT_TRUE(std::ranges::count(found.findings, FindingKind::wrong_print_size, &Finding::kind));
 }
 
+// A robot that errs by millimetres is no ruler.
+TEST(HandEye, FindsNoOtherSizeByARobotThatScatters) {
+  for (std::uint32_t seed = 1; seed <= 5; ++seed) {
+    const HandEye found = calibrated(tables_of(
+        moved_robot({.rotation_error = 0.1 * degree, .translation_error = 3, .seed = seed})));
+    EXPECT_FALSE(std::ranges::count(found.findings, FindingKind::wrong_print_size, &Finding::kind))
+        << found.scale << " +- " << found.scale_deviation;
+  }
+}
+
 TEST(HandEye, TellsWhatMorePosesGive) {
   const HandEye few = calibrated(tables_of(moved_robot({.poses = 8, .seed = 6})));
   ASSERT_EQ(few.more.size(), 4U);

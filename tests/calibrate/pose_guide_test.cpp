@@ -103,9 +103,35 @@ TEST(PoseGuide, SaysWhatIsMissing) {
   EXPECT_GT(many.covered, 0.4);
   EXPECT_TRUE(pose_needs(taken, board, truth.camera.size, 12).enough);
   EXPECT_FALSE(pose_needs(taken, board, truth.camera.size, 13).enough);
-  const std::vector<BoardView> again = taken;
-  taken.insert(taken.end(), again.begin(), again.end());
-  EXPECT_TRUE(pose_needs(taken, board, truth.camera.size, 0).enough);
+  std::vector<BoardView> again = taken;
+  again.insert(again.end(), taken.begin(), taken.end());
+  EXPECT_TRUE(pose_needs(again, board, truth.camera.size, 0).enough);
+}
+
+/// Ten views of a board that fills the picture, tilted about these axes in turn, either way.
+std::vector<BoardView> filling(const std::vector<Eigen::Vector3d>& axes) {
+  const std::vector<Eigen::Vector3d> places = printed_places(board);
+  const Eigen::Vector3d middle = places.back() / 2;
+  const double depth = truth.camera.intrinsic(0, 0) * places.back().x() / (0.9 * 320);
+
+  std::vector<BoardView> views(10);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const double angle = i / axes.size() % 2 == 0 ? 0.35 : -0.35;
+    const Eigen::AngleAxisd turn(angle, axes[i % axes.size()]);
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      const Eigen::Vector3d point = turn * (places[k] - middle) + Eigen::Vector3d(0, 0, depth);
+      views[i].places.push_back(static_cast<int>(k));
+      views[i].camera.push_back(project(truth.camera, point));
+    }
+    views[i].projector = views[i].camera;
+  }
+  return views;
+}
+
+TEST(PoseGuide, TenPosesAreEnoughIfTheyAreTiltedInAllWays) {
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY();
+  EXPECT_FALSE(pose_needs(filling({x}), board, truth.camera.size, 0).enough);
+  EXPECT_TRUE(pose_needs(filling({x, y}), board, truth.camera.size, 0).enough);
 }
 
 /// The guide must name the edge that is truly nearer.

@@ -141,6 +141,13 @@ TEST(OutOfStepWhatMayMove, IsToldFromWhatIsOutOfStep) {
   }
 }
 
+// One half takes all contrast where bits differ.
+TEST(OutOfStepCode, IsNamedAtOneHalf) {
+  const Scan right = virtual_scan("statue", make_strategy("gray", {{"bits", 7}}));
+  const auto found = check_scan(mixed(right, {8, 0, 1, 2, 3, 4, 5, 6, 7}, 0.5, 0.5)).findings;
+  EXPECT_TRUE(std::ranges::any_of(found, names_out_of_step)) << text_of(found.at(0));
+}
+
 /// A scene and a strategy, at each so many percent; an empty scene: the skull.
 struct Stepped {
   int percent_step = 1;

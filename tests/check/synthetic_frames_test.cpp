@@ -159,6 +159,21 @@ TEST(SyntheticFrames, OfSinglePeriodsGiveTheErrorOfTheOrigin) {
   EXPECT_NEAR(judge(scan.samples, scan.model.identity()).origin, 0.1, 0.02);
 }
 
+// A tenth less of the fringes beside the cue; the tried losses are 0.05 apart.
+TEST(SyntheticFrames, TellHowMuchBlurDampsFringes) {
+  constexpr int steps = 4;
+  const Strategy strategy = make_strategy("pcmp", {{"steps", steps}, {"high", 8}});
+  const SyntheticScan scan(strategy, [&](int n, int column, int) {
+    double fringe = 0;
+    for (int m = 0; m < steps; ++m) {
+      fringe += strategy.shape(m, along(column)) * std::cos(two_pi * (n - m) / steps) * 2 / steps;
+    }
+    return 20 + 200 * (strategy.shape(n, along(column)) - 0.1 * fringe);
+  });
+  FrameJudge judge(scan.model);
+  EXPECT_NEAR(judge(scan.samples, scan.model.identity()).damping, 0.1, 0.051);
+}
+
 // The light is constant over two camera pixels, a tenth of a period. The phase within a projector
 // pixel is uniformly distributed, with the variance 1 / 12.
 TEST(SyntheticFrames, OfCoarseProjectorPixelsAreNotNoisy) {

@@ -120,6 +120,21 @@ TEST(BundleAdjustment, StandardDeviationsAreTheSpreadOfTheResults) {
   EXPECT_LT(predicted, 2 * std::sqrt(squares));
 }
 
+// The jackknife of two results that differ by 2 is sqrt(1/2 (1 + 1)) = 1.
+TEST(BundleAdjustment, DeviationsAreWidenedToThoseOfTheJackknife) {
+  const Scanner truth = example_scanner();
+  Scanner less = truth, more = truth;
+  less.camera.intrinsic(0, 0) -= 1;
+  more.camera.intrinsic(0, 0) += 1;
+  for (const double deviation : {0.5, 2.0}) {
+    BundleDeviation before;
+    before.camera.focal = {deviation, deviation};
+    const BundleDeviation after = widened(before, {less, more});
+    EXPECT_DOUBLE_EQ(after.camera.focal.x(), std::max(deviation, 1.0));
+    EXPECT_DOUBLE_EQ(after.camera.focal.y(), deviation);
+  }
+}
+
 TEST(BundleAdjustment, BoardQualityOfAnExactScannerIsPerfectAndOfAWrongOneIsNot) {
   const Scanner truth = example_scanner();
   const auto places = printed_places(board);

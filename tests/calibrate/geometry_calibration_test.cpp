@@ -9,6 +9,7 @@
 
 #include "base/numbers.h"
 #include "calibrate/board_view.h"
+#include "calibrate/left_out.h"
 #include "slipstream/board_capture.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/strategy.h"
@@ -193,6 +194,25 @@ TEST_F(GeometryCalibrationOfCorners, KnowsTheDepthsAndTheLargestTiltOfTheBoards)
   ASSERT_TRUE(depths);
   EXPECT_NEAR(depths->nearest, nearest, 2);
   EXPECT_NEAR(depths->farthest, farthest, 2);
+
+  // A pose that fits as well as the others adds one to their sum.
+  double misfit = 0;
+  for (const CalibratedPose& pose : found.poses) misfit += pose.misfit / 6;
+  EXPECT_NEAR(misfit, 1, 0.5);
+}
+
+TEST_F(GeometryCalibrationOfCorners, MeasuresHowMuchHigherThePrintIs) {
+  BoardPlaces places = printed_places(board);
+  for (Eigen::Vector3d& place : places) place.y() *= 1.01;
+  const auto views = virtual_views(truth, board, places, 6, 0.05).views;
+  EXPECT_NEAR(calibrated(views, plain).print.stretch, 0.01, 0.002);
+}
+
+// The standard errors of the mean are 0.02 and 0.2.
+TEST(GeometryCalibration, AModelIsClearlyWorseBeyondTheScatterOfItsFolds) {
+  const std::vector<double> best(4, 1.0);
+  EXPECT_TRUE(clearly_worse({1.06, 1.14, 1.06, 1.14}, best));
+  EXPECT_FALSE(clearly_worse({0.75, 1.45, 0.75, 1.45}, best));
 }
 
 TEST_F(GeometryCalibrationOfCorners, TellsFewPosesAndParallelBoards) {

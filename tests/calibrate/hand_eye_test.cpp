@@ -209,6 +209,10 @@ TEST(HandEye, NamesAMistypedNumber) {
   EXPECT_EQ(std::ranges::count(found.each, true, &HandEyePose::used), 14);
   ASSERT_EQ(found.findings.size(), 1U);
   EXPECT_EQ(found.findings[0].kind, FindingKind::odd_pose);
+
+  // Two numbers are no slip of one.
+  tables.robot.rows[6][0] += 10;
+  EXPECT_EQ(calibrated(tables).each[6].reason, "mistyped, moved, or a board found wrongly");
 }
 
 TEST(HandEye, SaysWhichTurnIsMissing) {
@@ -286,6 +290,12 @@ TEST(HandEye, TellsWhatMorePosesGive) {
   EXPECT_EQ(few.more[0].which, "8 more like these");
   for (const MorePoses& more : few.more) {
     EXPECT_LT(more.translation, few.translation_deviation.norm());
+  }
+
+  // Twice as many halve the variance of the fit; the deviation is at least that.
+  for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+    const HandEye found = calibrated(tables_of(moved_robot({.poses = 20, .seed = seed})));
+    EXPECT_LT(found.more[0].translation, 1.001 * found.translation_deviation.norm() / std::sqrt(2));
   }
 }
 

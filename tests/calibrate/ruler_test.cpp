@@ -31,6 +31,9 @@ TEST(Ruler, MeasuresCirclesAlongARowAndFromRowToRow) {
   const CalibrationBoard circles{
       .kind = BoardKind::circles, .columns = 5, .rows = 8, .spacing = 16};
   EXPECT_TRUE(findings_of_ruler(circles, {8 * 16, 7 * 16}).empty());
+  CalibrationBoard odd = circles;
+  odd.rows = 9;
+  EXPECT_TRUE(findings_of_ruler(odd, {8 * 16, 8 * 16}).empty());
   EXPECT_EQ(advice(circles, {8 * 16.5, 7 * 16.5}), "use `spacing 16.5`");
 }
 

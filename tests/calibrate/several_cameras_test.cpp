@@ -135,6 +135,23 @@ void expect_better(const std::pair<Errors, Errors>& errors) {
   EXPECT_GT(ratio(alone.focal, together.focal), 1);
 }
 
+// Whichever camera's frame it goes through, a corner meets the same projector pixel.
+TEST(SeveralCameras, SeeTheSamePointInTheProjectorsFrame) {
+  const std::vector<Scanner> scanners = true_scanners(2);
+  const BoardPlaces places = printed_places(board);
+  const VirtualViews exact = virtual_views(scanners[0], board, places, 1, 0);
+  const CamerasState state{
+      .cameras = {scanners[0].camera, scanners[1].camera},
+      .projector = scanners[0].projector,
+      .rig = rig_of(scanners[0]),
+      .cameras_from_first = {Eigen::Isometry3d::Identity(), between(scanners[0], scanners[1])},
+      .poses = exact.poses,
+      .places = places};
+  const BundleState second = state_of_camera(state, {{{}, {}}, {{0}, {0}}}, 1);
+  EXPECT_TRUE((rig_of(second.scanner) * second.poses[0]).isApprox(state.rig * state.poses[0]));
+  EXPECT_TRUE(second.scanner.rotation.isApprox(scanners[1].rotation));
+}
+
 TEST(SeveralCameras, TogetherKnowTheirPoseBetter) {
   expect_better(errors_of(2, 3));
 }

@@ -29,6 +29,8 @@ function(add_suite name label filter count)
   set(properties "TIMEOUT [==[1800]==] ${PROPERTIES}")
   if(suite MATCHES "${PORT_SUITES}")
     string(APPEND properties " RESOURCE_LOCK camera_port COST 1000")
+  elseif(label)  # a few long cases, which would be left over at the end
+    string(APPEND properties " COST 900")
   else()
     string(APPEND properties " COST ${count}")
   endif()

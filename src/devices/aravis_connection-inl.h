@@ -70,7 +70,7 @@ class AravisConnection {
                                    error != nullptr ? error->message : "no camera was found"));
     }
 
-    watch();
+    if (arv_camera_is_gv_device(camera_.get()) == 0) watch();
     set_up(settings);
     if (arv_camera_is_gv_device(camera_.get()) != 0) {
       guard_ = std::jthread([this](const std::stop_token& stop) { guard_control(stop); });
@@ -116,12 +116,16 @@ class AravisConnection {
   }
 
   void stop() {
+    const std::lock_guard lock(nodes_);
+
     // Errors mean that the camera is gone.
     if (stream_ && !is_lost()) arv_camera_stop_acquisition(camera_.get(), nullptr);
     stream_.reset();
   }
 
   void trigger() {
+    const std::lock_guard lock(nodes_);
+
     // A lost trigger shows as a missing frame.
     arv_camera_software_trigger(camera_.get(), nullptr);
   }
@@ -130,6 +134,7 @@ class AravisConnection {
   [[nodiscard]] std::optional<ControlValue> control(CameraControl which) const {
     const ControlCalls& calls = calls_of(which);
     g_autoptr(GError) error = nullptr;
+    const std::lock_guard lock(nodes_);
 
     ControlValue found{.value = calls.get(camera_.get(), &error)};
     if (error != nullptr) return std::nullopt;
@@ -142,6 +147,7 @@ class AravisConnection {
 
   void set_control(CameraControl which, double value) {
     const ControlCalls& calls = calls_of(which);
+    const std::lock_guard lock(nodes_);
     set(fmt::format(fmt::runtime(calls.name), value), calls.set, value / calls.unit);
     // The frame rate may follow from the exposure, so read it again.
     if (period_seconds_ > 0) ask_period();
@@ -150,6 +156,8 @@ class AravisConnection {
   /// See CameraControls. Selects one part after another, if the camera has several.
   [[nodiscard]] Temperatures temperatures() const {
     constexpr const char* selector = "DeviceTemperatureSelector";
+    const std::lock_guard lock(nodes_);
+
     ArvDevice* const device = arv_camera_get_device(camera_.get());
     ArvGcNode* const measured = arv_device_get_feature(device, "DeviceTemperature");
     if (measured == nullptr || !ARV_IS_GC_FEATURE_NODE(measured)) return {};
@@ -375,6 +383,9 @@ class AravisConnection {
     set("to report its region", arv_camera_get_region, &x, &y, &size_.width, &size_.height);
   }
 
+  /// Notices that a camera that is not on a network is gone. A GigE camera must not have such a
+  /// handler: Aravis calls it in the device's own thread, which then may hold the device's last
+  /// reference, and would wait for its own end.
   void watch() {
     using Lost = std::shared_ptr<std::atomic<bool>>;
     const auto handler = [](ArvDevice*, gpointer lost) { *static_cast<Lost*>(lost)->get() = true; };
@@ -387,26 +398,27 @@ class AravisConnection {
                           static_cast<GConnectFlags>(0));
   }
 
-  /// Notices that another client has taken control, e.g. after a stall of this program. Aravis only
-  /// reads whether any client has it, but a write succeeds only for the one that does. The write is
-  /// also a heartbeat, independent of frames and settings.
+  /// Notices that a GigE camera is lost: it does not answer, or another client has taken control,
+  /// e.g. after a stall of this program. Of the latter Aravis only reads whether any client has it,
+  /// but a write succeeds only for the one that does. The write is also a heartbeat, independent of
+  /// frames and settings.
   void guard_control(const std::stop_token& stop) {
     using std::chrono_literals::operator""ms;
     constexpr std::uint64_t heartbeat_timeout = 0x938;  // defined by the standard
     ArvDevice* const device = arv_camera_get_device(camera_.get());
 
-    // The register is written with the value that it has.
-    const std::uint32_t timeout = [&] {
-      std::uint32_t value = 0;
-      return arv_device_read_register(device, heartbeat_timeout, &value, nullptr) != 0 ? value : 0;
-    }();
-    if (timeout == 0) return;
+    // The register is written with the value that it has; 0 if it cannot be read.
+    std::uint32_t timeout = 0;
+    arv_device_read_register(device, heartbeat_timeout, &timeout, nullptr);
 
     std::mutex mutex;
     std::unique_lock lock(mutex);
     std::condition_variable_any stopped;
     while (!is_lost() &&
            !stopped.wait_for(lock, stop, 500ms, [&] { return stop.stop_requested(); })) {
+      if (arv_gv_device_is_controller(ARV_GV_DEVICE(device)) == 0) *lost_ = true;
+      if (timeout == 0) continue;
+
       g_autoptr(GError) error = nullptr;
       arv_device_write_register(device, heartbeat_timeout, timeout, &error);
       if (g_error_matches(error, ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_PROTOCOL_ERROR_ACCESS_DENIED) !=
@@ -445,6 +457,7 @@ class AravisConnection {
   }
 
   std::string name_;
+  mutable std::mutex nodes_;  ///< the camera's nodes may be used by one thread at a time
   GObjectPointer<ArvCamera> camera_;
   GObjectPointer<ArvStream> stream_;
   Size size_;

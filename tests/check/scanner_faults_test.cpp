@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "check/geometric_mistakes.h"
+#include "check/method_limits.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/strategy.h"
 
@@ -43,6 +44,14 @@ TEST(ScannerFaults, WithoutRotationTheBaselineIsAlongAnAxis) {
   };
   EXPECT_TRUE(without_rotation({150, 10, 0}).empty());
   EXPECT_EQ(without_rotation({150, 0, 60}), std::vector{FindingKind::oblique_baseline});
+}
+
+TEST(ScannerFaults, TooSmallARigOrTooNearAreOfAnotherUnit) {
+  Scanner small = example_scanner();
+  EXPECT_FALSE(small_scale(small, 500));
+  EXPECT_TRUE(small_scale(small, 50));
+  small.translation *= 20 / small.translation.norm();
+  EXPECT_TRUE(small_scale(small, 500));
 }
 
 // X_p = R X_c + t, so that X_c = R^T X_p - R^T t.

@@ -18,6 +18,7 @@
 #include "check/frame_faults.h"
 #include "check/method_limits.h"
 #include "check/phase_noise.h"
+#include "check/unrelated_pixels.h"
 #include "check/waveform.h"
 #include "check/wrapped_levels.h"
 #include "slipstream/strategy.h"
@@ -31,8 +32,10 @@ using Level = std::function<double(int n, int column, int row)>;
 
 /// A scan whose camera pixels see one projector pixel each, read as that strategy.
 struct SyntheticScan {
-  SyntheticScan(const Strategy& strategy, const Level& level, int bits = 8, double least_range = 22)
-      : sequence{.strategy = strategy, .projector = size} {
+  SyntheticScan(const Strategy& strategy, const Level& level, int bits = 8, double least_range = 22,
+                std::optional<MeasuredResponse> response = {})
+      : sequence{.strategy = strategy, .projector = size},
+        photometry{.noise_variance = 1.0 / 12, .response = response} {
     std::vector<Image<std::uint16_t>> pictures;
     for (int n = 0; n < samples.frames(); ++n) {
       Image<std::uint16_t>& picture = pictures.emplace_back(size);
@@ -48,7 +51,7 @@ struct SyntheticScan {
   }
 
   Sequence sequence;
-  PhotometricCalibration photometry{.noise_variance = 1.0 / 12};  // of rounding
+  PhotometricCalibration photometry;  ///< with the noise of rounding
   CheckSettings settings{};
   FrameModel model{sequence, photometry};
   ScanSamples samples{size, model.layout().frames};
@@ -91,6 +94,58 @@ TEST(SyntheticFrames, TooDimAreBlamedOnTheRoomIfMoreExposureSaturates) {
     ASSERT_EQ(findings.size(), 1U) << mean;
     EXPECT_EQ(findings.front().kind, kind) << mean;
   }
+}
+
+TEST(SyntheticFrames, TooDimInOneBandAreBlurred) {
+  const SyntheticScan scan(sinusoids, [](int n, int column, int) {
+    return 120 + (n < 4 ? 20 : 200) * (sinusoids.shape(n, along(column)) - 0.5);
+  });
+  const std::vector<Finding> findings = light_faults(scan.model, scan.samples, 8, 15);
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings.front().kind, FindingKind::low_modulation);
+  EXPECT_TRUE(blames(findings.front(), CauseKind::blur)) << text_of(findings.front());
+}
+
+TEST(SyntheticFrames, AllWhiteAreOverexposed) {
+  const SyntheticScan scan(sinusoids, [](int, int, int) { return 255; });
+  const Finding finding = light_faults(scan.model, scan.samples, 8, 15).at(0);
+  EXPECT_TRUE(blames(finding, CauseKind::overexposure)) << text_of(finding);
+}
+
+TEST(SyntheticFrames, OfPixelsWithoutLitNeighboursAreNoNoise) {
+  const Level pattern = shown(sinusoids, 20, 200);
+  const SyntheticScan scan(sinusoids, [&](int n, int column, int row) {
+    return column % 2 + row % 2 == 0 ? pattern(n, column, row) : 20;
+  });
+  EXPECT_FALSE(unrelated_pixels(scan.samples));
+}
+
+// Noise s of a relation, periods, leaves a coherence of exp(-2 pi^2 s^2). Here it is that of the
+// coarse phase, of four steps, times the ratio of the periods.
+TEST(SyntheticFrames, TellTheNoiseOfARelation) {
+  constexpr double amplitude = 100, noise = 9, ratio = 16;
+  std::mt19937 random(1);
+  std::normal_distribution<double> deviate(0, noise);
+  const Level pattern = shown(sinusoids, 20, 2 * amplitude);
+  const SyntheticScan scan(sinusoids, [&](int n, int column, int row) {
+    return pattern(n, column, row) + deviate(random);
+  });
+  FrameJudge judge(scan.model);
+  const BandRelation relation = judge(scan.samples, scan.model.identity()).relations.at(0);
+  const double of_relation = ratio * std::sqrt(2.0 / 4) * noise / amplitude / two_pi;
+  EXPECT_NEAR(relation.noise, std::exp(-std::pow(two_pi * of_relation, 2) / 2), 0.05);
+  EXPECT_NEAR(relation.agreement, 1, 0.1);
+}
+
+TEST(SyntheticFrames, ThroughAKnownResponseLeaveNothingUnexplained) {
+  const Strategy strategy = make_strategy("dual-frequency", {{"steps", 6}});
+  const Level light = shown(strategy, 0, 1);
+  const SyntheticScan scan(
+      strategy,
+      [&](int n, int column, int row) { return 200 * std::pow(light(n, column, row), 2.2); }, 8, 22,
+      MeasuredResponse{PowerLaw{2.2}, 2.2});
+  FrameJudge judge(scan.model);
+  EXPECT_LT(judge(scan.samples, scan.model.identity()).residual, 0.01);
 }
 
 TEST(SyntheticFrames, OfAColourMosaicGiveTheRatioOfItsGains) {
@@ -141,6 +196,30 @@ TEST(SyntheticFrames, OfACodeGiveTheErrorOfTheOrigin) {
   EXPECT_NEAR(offset_of(0), 0, 0.01);
   EXPECT_LE(std::abs(offset_of(0.04)), 0.035);
   EXPECT_NEAR(std::abs(offset_of(0.06)), 0.06, 0.01);
+}
+
+TEST(SyntheticFrames, OfShiftsTheOtherWayRunAgainstTheCode) {
+  const auto running = [](bool backwards) {
+    return make_strategy("gray-phase", {{"periods", 32}, {"bits", 5}, {"backwards", backwards}});
+  };
+  EXPECT_EQ(code_of(running(false), shown(running(false), 20, 200)).against, 0);
+  EXPECT_EQ(code_of(running(false), shown(running(true), 20, 200)).against, 1);
+}
+
+// White and black, frames 5 and 6, part the bits; the first of 32 stripes is dark in all of these.
+TEST(SyntheticFrames, OfACodeWithoutWhiteOrBlackAreDisordered) {
+  const Strategy code = make_strategy("gray", {{"bits", 5}, {"reference", "white-black"}});
+  const auto disordered = [&](int white, int black) {
+    return code_of(
+               code,
+               [&](int n, int column, int) {
+                 return n < 5 ? 20 + 200 * code.shape(n, along(column)) : n == 5 ? white : black;
+               })
+        .disordered;
+  };
+  EXPECT_EQ(disordered(220, 20), 0);
+  EXPECT_NEAR(disordered(220, 220), 31.0 / 32, 0.01);
+  EXPECT_NEAR(disordered(20, 20), 31.0 / 32, 0.01);
 }
 
 // Then every second stripe seems to be followed by the next but one.
@@ -217,6 +296,13 @@ TEST(SyntheticFrames, OfTwoSurfacesHaveNotWrapped) {
     return n > 1 ? 120 : n == column % 2 ? 220 : 20;
   });
   EXPECT_FALSE(wrapped_levels(scan.model.layout(), scan.samples));
+
+  // Nor have those that change in another frame, too.
+  const SyntheticScan other(make_strategy("pmp", {{"steps", 5}}), [](int n, int column, int) {
+    const std::array here{20, 220, 120, 120, 20}, there{220, 220, 150, 120, 20};
+    return (column % 2 == 0 ? here : there).at(static_cast<std::size_t>(n));
+  });
+  EXPECT_FALSE(wrapped_levels(other.model.layout(), other.samples));
 }
 
 }  // namespace slipstream::synthetic_frames_test

@@ -81,18 +81,25 @@ inline ReferenceResult by_equations(EngineSetup setup, const FrameViews& frames,
   return ReferenceEngine(setup, corrections)(frames);
 }
 
-inline Agreement agreement_on(const EngineSetup& setup, const FrameViews& frames,
-                              const PhaseCorrections& corrections = {}) {
+/// Of the fused pass with known points.
+inline Agreement agreement_with(const ReferenceResult& exact, const EngineSetup& setup,
+                                const FrameViews& frames,
+                                const PhaseCorrections& corrections = {}) {
   const auto fused = FusedEngine::make(setup, corrections);
   if (!fused) {
     ADD_FAILURE() << "no fused pass";
     return {};
   }
+
   Cloud cloud;
   FusedMemory memory;
   (*fused)(frames, {.cloud = &cloud}, memory);
-  return compare(setup.scanner, setup.sequence.axis, cloud,
-                 by_equations(setup, frames, corrections));
+  return compare(setup.scanner, setup.sequence.axis, cloud, exact);
+}
+
+inline Agreement agreement_on(const EngineSetup& setup, const FrameViews& frames,
+                              const PhaseCorrections& corrections = {}) {
+  return agreement_with(by_equations(setup, frames, corrections), setup, frames, corrections);
 }
 
 inline FrameSet statue_frames(const Scanner& scanner, const Strategy& strategy, Axis axis,

@@ -215,10 +215,8 @@ TEST(OwnStrategies, ShowNoPointOfAWrongFringeOrder) {
   }
 }
 
-class OwnStrategiesOn : public testing::TestWithParam<std::string> {};
-
-TEST_P(OwnStrategiesOn, HaveThePointsOfTheEquations) {
-  const OnlyVectorTarget only(GetParam());
+/// Frames and equations once for all targets, as they take longer than the engine.
+TEST(OwnStrategies, HaveThePointsOfTheEquationsOnEachTarget) {
   for (const int width : {160, 171}) {
     const Scanner scanner = example_scanner({width, 90});
     const Axis axis = width == 160 ? Axis::x : Axis::y;
@@ -227,23 +225,32 @@ TEST_P(OwnStrategiesOn, HaveThePointsOfTheEquations) {
     strategies.push_back(Strategy(PhaseMeasuring{3, 1}).in_motion(1));
     strategies.push_back(Strategy(PhaseMeasuring{4, 1}).in_motion(2));
     strategies.push_back(Strategy(PhaseMeasuring{5, 1}).in_motion(2));
+
     for (const Strategy& strategy : strategies) {
+      const EngineSetup setup = setup_of(scanner, strategy, axis);
       for (const auto& [bits, noise] :
            {std::pair{8, 0.0}, {8, 1.55}, {8, 6.0}, {12, 1.55}, {16, 0.0}}) {
-        SCOPED_TRACE(testing::Message() << text_of(strategy) << ", width " << width << ", noise "
-                                        << noise << ", bits " << bits);
         const FrameSet frames = take_again(scan, pattern_set(strategy, axis),
                                            {.ambient = 5, .noise_variance = noise, .bits = bits});
-        const Agreement agreement = agreement_on(setup_of(scanner, strategy, axis), frames);
-        EXPECT_GT(agreement.points, 2000U);
-        // A modulation that is just the least asked for is so to the rounding of its weights.
-        EXPECT_LE(agreement.other_validity, step_counts(strategy).empty() ? 4U : 1U);
-        EXPECT_LE(agreement.other_intensity, 1U);
-        EXPECT_LE(agreement.worst, depth_bound);
+        const ReferenceResult exact = by_equations(setup, frames);
+
+        for (const std::string& target : vector_targets()) {
+          SCOPED_TRACE(testing::Message() << text_of(strategy) << ", width " << width << ", noise "
+                                          << noise << ", bits " << bits << ", " << target);
+          const OnlyVectorTarget only(target);
+          const Agreement agreement = agreement_with(exact, setup, frames);
+          EXPECT_GT(agreement.points, 2000U);
+          // A modulation that is just the least asked for is so to the rounding of its weights.
+          EXPECT_LE(agreement.other_validity, step_counts(strategy).empty() ? 4U : 1U);
+          EXPECT_LE(agreement.other_intensity, 1U);
+          EXPECT_LE(agreement.worst, depth_bound);
+        }
       }
     }
   }
 }
+
+class OwnStrategiesOn : public testing::TestWithParam<std::string> {};
 
 TEST_P(OwnStrategiesOn, DecodeToTheMapsOfTheEquations) {
   const OnlyVectorTarget only(GetParam());

@@ -49,6 +49,12 @@ TEST(ContradictingFrame, IsNamedIfItWasShaken) {
   }
 }
 
+TEST(ContradictingFrame, IsNoneIfTwoWereShaken) {
+  const Scan right = scene_scan("statue", make_strategy("dual-frequency", {{"steps", 5}}));
+  std::string told;
+  EXPECT_EQ(frames_named(shaken(shaken(right, 1, 2), 3, 2), told), std::vector<int>()) << told;
+}
+
 // Four steps have one redundancy: it cannot tell every other frame apart.
 TEST(ContradictingFrame, IsOneOfTwoInFourSteps) {
   const Scan right = scene_scan("statue", make_strategy("dual-frequency", {{"steps", 4}}));

@@ -148,6 +148,17 @@ TEST(OutOfStepCode, IsNamedAtOneHalf) {
   EXPECT_TRUE(std::ranges::any_of(found, names_out_of_step)) << text_of(found.at(0));
 }
 
+// Each band repeats on its own, an odd number of steps.
+TEST(OutOfStepBands, AreNamedWithTheirShare) {
+  const Scan right = virtual_scan("statue", make_strategy("dual-frequency", {{"steps", 3}}));
+  for (const double share : {0.15, 0.35}) {
+    const auto found = check_scan(mixed(right, {2, 0, 1, 5, 3, 4}, share, share)).findings;
+    const auto named = std::ranges::find_if(found, names_out_of_step);
+    ASSERT_NE(named, found.end()) << share;
+    EXPECT_NEAR(named->evidence.front().value, 100 * share, 0.4);
+  }
+}
+
 /// A scene and a strategy, at each so many percent; an empty scene: the skull.
 struct Stepped {
   int percent_step = 1;

@@ -215,6 +215,45 @@ TEST(HandEye, NamesAMistypedNumber) {
   EXPECT_EQ(calibrated(tables).each[6].reason, "mistyped, moved, or a board found wrongly");
 }
 
+// Of 1.5 mm, or half a degree about the board's origin: over six deviations.
+TEST(HandEye, LeavesOutAPoseThatIsOff) {
+  RobotRun run = moved_robot({.seed = 4});
+  run.pairs[6].robot.translation().y() += 1.5;
+  run.pairs[9].board.rotate(Eigen::AngleAxisd(0.5 * degree, Eigen::Vector3d::UnitZ()));
+  const HandEye found = calibrated(tables_of(run));
+  for (std::size_t i = 0; i < found.each.size(); ++i) {
+    EXPECT_EQ(found.each[i].used, i != 6 && i != 9) << i;
+  }
+}
+
+// Small errors of the robot's pose, about and along the axes of the tool, by differences.
+TEST(HandEye, CovarianceIsThatOfTheRobotsErrors) {
+  for (const EyePlace place : {EyePlace::in_hand, EyePlace::to_hand}) {
+    const RobotRun run = moved_robot({.place = place, .poses = 3});
+    const PosePair& pair = run.pairs[1];
+    constexpr double step = 1e-5, turn = 1e-3, move = 0.2;
+
+    Eigen::Matrix<double, 6, 6> effect;
+    for (int i = 0; i < 6; ++i) {
+      PosePair other = pair;
+      const Eigen::Vector3d by = step * Eigen::Vector3d::Unit(i % 3);
+      if (i < 3) other.robot.rotate(rotation_of_vector(by));
+      if (i >= 3) other.robot.translate(by);
+      effect.col(i) = (error_of(other, run.truth, place) - error_of(pair, run.truth, place)) / step;
+    }
+    PoseError variances, lengths;
+    variances << Eigen::Vector3d::Constant(turn * turn), Eigen::Vector3d::Constant(move * move);
+    lengths << Eigen::Vector3d::Constant(500), Eigen::Vector3d::Ones();  // mm for a turn by 1
+    const Eigen::Matrix<double, 6, 6> expected =
+        effect * variances.asDiagonal() * effect.transpose();
+    const Eigen::Matrix<double, 6, 6> found =
+        covariance_of(pair, run.truth, place, {.robot_rotation = turn, .robot_translation = move});
+    const Eigen::Matrix<double, 6, 6> off =
+        lengths.asDiagonal() * (found - expected) * lengths.asDiagonal();
+    EXPECT_LT(off.cwiseAbs().maxCoeff(), 0.01);  // of about 0.25 mm^2
+  }
+}
+
 TEST(HandEye, SaysWhichTurnIsMissing) {
   // Turns about the tool's z alone.
   RobotRun run = moved_robot({.tilt = 0, .seed = 2});

@@ -73,6 +73,12 @@ TEST(TouchTest, OnePointOffIsNoErrorOfTheCalibration) {
   EXPECT_NEAR(test.standard_error.x(), 1.5 / 9, 1e-6);  // as one of nine is off
 }
 
+TEST(TouchTest, AMeanWithinTwoErrorsOfTheToleranceIsNotBad) {
+  const TouchTest test{.mean = {0.4, 0, 0}, .standard_error = {0.1, 0, 0}, .largest = 0.8};
+  EXPECT_STREQ(verdict_of(test, 0.3).grade, "usable");
+  EXPECT_STREQ(verdict_of(test, 0.15).grade, "bad");
+}
+
 TEST(TouchTest, NeedsATouchForEachPoint) {
   Touched all = touched(EyePlace::in_hand);
   all.tools.pop_back();

@@ -37,6 +37,20 @@ TEST(Verification, AScannerThatIsRightHolds) {
   EXPECT_LT(found.rotation, 0.05 * degree);
 }
 
+// Each projector pixel moves across its epipolar line.
+TEST(Verification, EpipolarDistanceIsInProjectorPixels) {
+  const Scanner scanner = example_scanner();
+  std::vector<BoardView> views = views_of(scanner, 2);
+  for (BoardView& view : views) {
+    for (std::size_t i = 0; i < view.projector.size(); ++i) {
+      const Eigen::Vector3d ray = ray_through(scanner.camera, view.camera[i]);
+      const Eigen::Vector3d line = scanner.translation.cross(scanner.rotation * ray);
+      view.projector[i] += 3 * line.head<2>().normalized();
+    }
+  }
+  EXPECT_NEAR(verify_scanner(views, board, scanner).before.epipolar, 3, 0.1);
+}
+
 TEST(Verification, AKnockIsToldAndCorrected) {
   const Scanner old = example_scanner();
   const Scanner now = knocked(old, 0.5 * degree, 1);

@@ -1,5 +1,6 @@
 #include "app/reconstructed_scan.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <memory>
@@ -257,10 +258,15 @@ void tell(const ReconstructedScan& scan, Output& output) {
   const ScanResult& result = scan.result;
   if (result.fused) {
     const bool by_match = !has_coordinate(result.setup.sequence.strategy);
+    const auto shared = std::ranges::count_if(
+        result.fused->points, [](const ModelPoint& point) { return point.views > 1; });
     output.say(
-        "{}: {} points, {:.3g} mm apart, of {} cameras with {} points; {}:", text_of(scan.name),
-        result.fused->points.size(), result.fused->spacing, result.points_of_cameras.size(),
-        fmt::join(result.points_of_cameras, ", "), by_match ? "their match" : "the first camera");
+        "{}: {} points, {:.3g} mm apart, of {} cameras with {} points; {} of them "
+        "seen by two or more, {:.2g} mm apart in the median; {}:",
+        text_of(scan.name), result.fused->points.size(), result.fused->spacing,
+        result.points_of_cameras.size(), fmt::join(result.points_of_cameras, ", "), shared,
+        quality_of(*result.fused).median_disagreement.value_or(0),
+        by_match ? "their match" : "the first camera");
   }
   const std::string done = scan.output == ScanOutput::maps
                                ? fmt::format("measured {}", result.counts[0])

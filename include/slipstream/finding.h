@@ -66,6 +66,7 @@ enum class FindingKind {
   cameras_disagree,
   camera_orders_disagree,
   few_points,
+  cameras_apart,
   // Maps of other programs.
   shared_map_value,
   impossible_map_values,

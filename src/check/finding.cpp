@@ -63,6 +63,7 @@ constexpr auto finding_names = std::to_array<std::string_view>({
     "cameras-disagree",
     "camera-orders-disagree",
     "few-points",
+    "cameras-apart",
     // Maps of other programs.
     "shared-map-value",
     "impossible-map-values",

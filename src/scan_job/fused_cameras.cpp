@@ -10,8 +10,10 @@
 
 #include <fmt/format.h>
 
+#include "base/statistics.h"
 #include "base/stopwatch.h"
 #include "base/throw_if-inl.h"
+#include "merge/seen_surface.h"
 #include "reconstruct/camera_pair.h"
 #include "reconstruct/coordinate_map.h"
 #include "reconstruct/phase_matcher.h"
@@ -37,6 +39,15 @@ void append(std::vector<Finding>& findings, const CheckedScan& camera, std::size
   for (std::size_t i = first; i < camera.findings.size(); ++i) {
     std::string& subject = findings.emplace_back(camera.findings[i]).subject;
     subject = fmt::format("camera {}{}{}", number, subject.empty() ? "" : ", ", subject);
+
+    // The setting `order` would reorder the first camera's frames, too.
+    for (auto& [text, settings] : findings.back().remedies) {
+      if (settings.empty() || settings.front().name != "order") continue;
+      text =
+          fmt::format("list its frames in its scan.yaml in the order {}",
+                      settings.front().value.empty() ? "of the patterns" : settings.front().value);
+      settings.clear();
+    }
   }
 }
 
@@ -57,6 +68,67 @@ ScanResult points_as_measured(const Scan& scan, EngineSetup setup, Maps maps, co
   camera.uncertainty =
       uncertainty_of(camera.cloud, camera.maps, camera.setup, scan.frames.views().full_scale());
   return camera;
+}
+
+/// The share of two cameras' points that the other camera sees as if they floated in front of the
+/// surface. Points behind it may be hidden from that camera. nullopt if too few are comparable.
+std::optional<double> floating_share(const View& one, const View& other,
+                                     const Eigen::Isometry3d& to_other) {
+  constexpr std::size_t step = 4;  // every fourth point is enough
+  constexpr double fewest = 25;
+
+  double floating = 0, near = 0;
+  const auto compare = [&](const View& from, const View& to, const Eigen::Isometry3f& pose) {
+    const SeenSurface seen(to);
+    for (std::size_t i = 0; i < from.size(); i += step) {
+      const Sight sight = seen.at(pose * from.points[i], from.sigma[i]);
+      floating += sight == Sight::clear ? 1 : 0;
+      near += sight == Sight::near ? 1 : 0;
+    }
+  };
+  compare(one, other, to_other.cast<float>());
+  compare(other, one, to_other.inverse().cast<float>());
+
+  if (floating + near < fewest) return std::nullopt;
+  return floating / (floating + near);
+}
+
+/// Cameras whose points of one surface lie apart by more than noise explains.
+std::optional<Finding> cameras_apart(const FusedModel& model, const std::vector<View>& views,
+                                     const std::vector<std::optional<Eigen::Isometry3d>>& poses) {
+  constexpr double most_floating = 0.25, hopeless = 0.5;
+  constexpr double most_sigmas = 5;
+
+  // 1. The two cameras that fit together worst.
+  double worst = 0;
+  std::string cameras;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    for (std::size_t k = i + 1; k < views.size(); ++k) {
+      const auto share = floating_share(views[i], views[k], poses[k]->inverse() * *poses[i]);
+      if (share.value_or(0) < worst) continue;
+      worst = share.value_or(0);
+      cameras = fmt::format("{} and {}", i + 1, k + 1);
+    }
+  }
+
+  // 2. How far apart the points are that were averaged.
+  std::vector<double> sigmas;
+  for (const View& view : views) std::ranges::copy(view.sigma, std::back_inserter(sigmas));
+  const double sigma = median(std::move(sigmas));
+  const double disagreement = quality_of(model).median_disagreement.value_or(0);
+  if (worst <= most_floating && disagreement <= most_sigmas * sigma) return std::nullopt;
+
+  return Finding{
+      .kind = FindingKind::cameras_apart,
+      .severity = worst > hopeless ? Severity::wrong : Severity::doubtful,
+      .what = fmt::format("the points of cameras {} lie apart where both see a surface", cameras),
+      .evidence = {{"share in front of the other camera's surface", worst, "", most_floating},
+                   {"median disagreement", disagreement, "mm", most_sigmas * sigma},
+                   {"median sigma of a point", sigma, "mm"}},
+      .causes = {{CauseKind::rig_moved,
+                  "the cameras' scanner files do not fit together: a camera moved since "
+                  "calibration"},
+                 {CauseKind::gamma, "a response that is not corrected"}}};
 }
 
 }  // namespace
@@ -121,11 +193,19 @@ void ScanJob::fuse_cameras(const CheckedJob& job, const std::string& name, ScanR
   for (const ScanResult& camera : cameras) {
     result.points_of_cameras.push_back(point_count(camera.cloud));
   }
+  std::vector<Finding>& findings = result.checked.findings;
+  const std::size_t known = findings.size();
+
+  // An uncorrected response moves the cameras' points apart, and is reported already.
+  const bool is_bent =
+      std::ranges::any_of(findings, [](const auto& one) { return blames(one, CauseKind::gamma); });
   try {
-    result.fused = std::make_shared<const FusedModel>(fused_cameras(cameras));
+    result.fused =
+        std::make_shared<const FusedModel>(fused_cameras(cameras, is_bent ? nullptr : &findings));
   } catch (const Error& error) {
     throw Error(fmt::format("{}: {}", name, error.what()));
   }
+  if (!settings_.keep_refused) require_right(result.checked, name, known);
   result.computing += watch.lap();
 }
 
@@ -174,7 +254,7 @@ std::vector<ScanResult> points_by_each_other(const CheckedJob& job, const ScanRe
   return cameras;
 }
 
-FusedModel fused_cameras(std::span<const ScanResult> cameras) {
+FusedModel fused_cameras(std::span<const ScanResult> cameras, std::vector<Finding>* findings) {
   constexpr std::size_t fewest = 100;  // points of a view
 
   const Scanner& first = cameras.front().setup.scanner;
@@ -197,7 +277,11 @@ FusedModel fused_cameras(std::span<const ScanResult> cameras) {
 
   std::vector<const View*> sources;
   for (const View& view : views) sources.push_back(&view);
-  return fuse(sources, poses);
+  FusedModel model = fuse(sources, poses);
+  if (findings != nullptr) {
+    if (auto apart = cameras_apart(model, views, poses)) findings->push_back(*std::move(apart));
+  }
+  return model;
 }
 
 }  // namespace slipstream

@@ -34,7 +34,9 @@ std::vector<ScanResult> points_by_each_other(const CheckedJob& job, const ScanRe
 /// The points of cameras with the same projector as one cloud, in the first camera's frame: see
 /// fuse. A camera's noise comes from its result's uncertainty.
 /// Matches between cameras are not added: they come from the same phases, and would count them
-/// twice. Throws Error if the projectors differ, or for fewer than 100 points of a camera.
-FusedModel fused_cameras(std::span<const ScanResult> cameras);
+/// twice. `findings`: receives one if two cameras' points lie apart; null: not looked for. Throws
+/// Error if the projectors differ, or for fewer than 100 points of a camera.
+FusedModel fused_cameras(std::span<const ScanResult> cameras,
+                         std::vector<Finding>* findings = nullptr);
 
 }  // namespace slipstream

@@ -165,6 +165,20 @@ TEST(FusedCameras, AreMadeByTheScanJobIfAskedFor) {
   expect_error([&] { (void)job(scan_of(1, dual)); }, {"`fuse`", "two or more cameras"});
 }
 
+TEST(FusedCameras, AreRefusedIfOneMovedSinceItsCalibration) {
+  Scan scan = scan_of(2, dual);
+  EXPECT_TRUE(reconstruct(scan, {.fuse = true}).checked.findings.empty());
+
+  for (const double mm : {2.0, 20.0}) {
+    Scan moved = scan;
+    moved.further_cameras.front().scanner->translation.x() += mm;
+    const ScanResult kept = reconstruct(moved, {.keep_refused = true, .fuse = true});
+    ASSERT_EQ(kept.checked.findings.size(), 1U) << mm;
+    EXPECT_EQ(kept.checked.findings.front().kind, FindingKind::cameras_apart) << mm;
+    expect_error([&] { (void)reconstruct(moved, {.fuse = true}); }, {"a camera moved"});
+  }
+}
+
 TEST(FusedCameras, MoveToAFrame) {
   const FusedModel model = fused_cameras(results_of(2));
   const FramePose pose{.from = "table",

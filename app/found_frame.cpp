@@ -109,6 +109,23 @@ void pick_points(const PointsFlags& flags, PointPairs& pairs, Output& output) {
   }
 }
 
+/// Throws Error if the points and their partners are not one shape. A wrong order or unit leaves
+/// residuals of about the distances between the points; a mistyped digit leaves less.
+void require_one_shape(const PointPairs& pairs, const PointFit& fit) {
+  constexpr double most = 0.1;  // of the points' distances from their mean
+
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& point : pairs.points) mean += point;
+  mean /= static_cast<double>(pairs.points.size());
+
+  Squares distances;
+  for (const Eigen::Vector3d& point : pairs.points) distances.add((point - mean).squaredNorm());
+  throw_if(fit.rms > most * distances.rms(),
+           "the points do not fit their places in the frame: residuals of {:.3g} mm RMS, where the "
+           "points are {:.3g} mm from their mean; check their order, unit and signs",
+           fit.rms, distances.rms());
+}
+
 void find_by_points(const PointsFlags& flags, Output& output) {
   throw_if(flags.pairs.empty() && flags.picks.empty(),
            "no points; give --pairs FILE, or three --pick or more");
@@ -119,6 +136,7 @@ void find_by_points(const PointsFlags& flags, Output& output) {
   if (!flags.pairs.empty()) read_pairs(flags.pairs, pairs);
   if (!flags.picks.empty()) pick_points(flags, pairs, output);
   const PointFit fit = fit_points(pairs.points, pairs.partners);
+  require_one_shape(pairs, fit);
 
   put_found(fit.pose, flags, output);
   output.say("residuals of {} points: RMS {:.3f} mm", pairs.points.size(), fit.rms);

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "base/throw_if-inl.h"
+#include "io/file.h"
 
 namespace slipstream::app {
 
@@ -18,7 +19,8 @@ void JoinedRecording::begin(RecordingHeader header, const std::string& input) {
   throw_if(inputs_ != 1 && header.white.count() != 0,
            "{}: has a white picture, and a recording holds only one; convert it on its own", input);
 
-  if (!writer_) writer_.emplace(path_, header);
+  // At once: an input that cannot be read leaves an existing file as it was.
+  if (!writer_) writer_.emplace(path_, header, FileWriting::at_once);
   header_ = std::move(header);
 
   // Number of this input's first frame: rounded up to a whole cycle of patterns.

@@ -1,6 +1,7 @@
 #include "app/live.h"
 
 #include <chrono>
+#include <cstdint>
 #include <exception>
 #include <memory>
 #include <optional>
@@ -97,12 +98,12 @@ void tell_pictures(const LiveSession& session, Output& output) {
 }
 
 /// The error of a run whose results need a cloud, and that had none.
-WorldError no_cloud(const std::string& file, std::string_view purpose, const LiveSession& session,
+WorldError no_cloud(const std::string& file, std::string_view problem, const LiveSession& session,
                     const LiveStatistics& statistics) {
   const auto needed = static_cast<std::uint64_t>(frame_count(session.setup().sequence));
-  if (statistics.frames.captured >= needed) return WorldError(fmt::format("{}: {}", file, purpose));
+  if (statistics.frames.captured >= needed) return WorldError(fmt::format("{}: {}", file, problem));
 
-  return WorldError(fmt::format("{}: {}; a cloud takes {} frames, and {} came", file, purpose,
+  return WorldError(fmt::format("{}: {}; a cloud takes {} frames, and {} came", file, problem,
                                 needed, statistics.frames.captured));
 }
 

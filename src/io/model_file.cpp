@@ -43,13 +43,14 @@ std::string model_ply(const FusedModel& model, const std::vector<std::string>& r
 }  // namespace
 
 void require_model_ending(const fs::path& path) {
+  if (path == standard_output) return;
   require_ending(path, "format of models", {".ply", ".pcd", ".xyz"});
 }
 
 void write_model(const fs::path& path, const FusedModel& model,
                  const std::vector<std::string>& remarks) {
   require_model_ending(path);
-  if (lower_case_extension(path) == ".ply") {
+  if (path == standard_output || lower_case_extension(path) == ".ply") {
     write_file(path, model_ply(model, remarks));
     return;
   }

@@ -10,12 +10,12 @@
 
 namespace slipstream {
 
-/// Throws Error unless write_model supports the file's ending.
+/// Throws Error unless write_model supports the file's ending or it is standard_output.
 void require_model_ending(const std::filesystem::path& path);
 
 /// Writes the points of a model, in its frame, which the file names, mm, by the file's ending:
-///   .ply  binary little-endian PLY: x y z nx ny nz intensity sigma disagreement views red green
-///         blue; sigma and disagreement in mm, see ModelPoint;
+///   .ply  binary little-endian PLY, also to standard_output: x y z nx ny nz intensity sigma
+///         disagreement views red green blue; sigma and disagreement in mm, see ModelPoint;
 ///   .pcd, .xyz  as write_cloud: x y z intensity and the normals.
 /// `remarks`: further comments, one line each; not in .xyz, which has no header.
 /// Throws Error for another ending, WorldError if it cannot be written; never leaves a partial

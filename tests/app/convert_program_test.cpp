@@ -223,6 +223,12 @@ TEST_F(ConvertProgram, WhatALiveScanHasPublishedToItsFramesAndThoseToScanFolders
       expect_same(path(name + window), path("expected" + window));
     }
   }
+
+  // A further input that cannot be read leaves an existing file as it was.
+  const auto joined = read_file(path("joined.slip"));
+  run({"convert", path("folder-000000"), path("nowhere"), "-o", path("joined.slip")}, 2);
+  EXPECT_EQ(read_file(path("joined.slip")), joined);
+
   EXPECT_NE(run({"convert", path("folder-000000"), "-o", path("a")}, 2).err.find("folder"),
             std::string::npos);
   run({"convert", path("scan.slip"), "-o", path("clouds.mcap")});

@@ -259,6 +259,10 @@ TEST_F(FrameProgram, FindsAFrameFromPointsAndSaysTheResiduals) {
   EXPECT_GT(doubted["rms_mm"].get<double>(), 1);
   EXPECT_GT(doubted["residuals_mm"][4].get<double>(), 3);
 
+  // In another order they are no shape that can be turned into the first.
+  std::swap(picks[7], picks[10]);
+  expect_refused(picks, "check their order");
+
   write_file(path("pairs.csv"), "1,2,3\n");
   expect_refused({"frame", "points", "--pairs", path("pairs.csv")}, "line 1");
   expect_refused({"frame", "points", path("scan")}, "no points");

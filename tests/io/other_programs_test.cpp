@@ -1,6 +1,9 @@
 // Reads written files with other programs; skipped if they are not installed.
-// apt-get install pcl-tools python3-open3d meshlab cloudcompare xvfb nodejs npm; npm install
-// gltf-validator NODE_PATH=node_modules ctest --test-dir build -R OtherProgram -V
+//
+// apt-get install pcl-tools python3-open3d meshlab cloudcompare xvfb nodejs npm
+// npm install gltf-validator
+// NODE_PATH=node_modules ctest --test-dir build -R OtherProgram -V
+//
 // docs/reference/clouds-and-recordings.md lists the versions that were tested.
 #include <cmath>
 #include <cstdlib>

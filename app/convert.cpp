@@ -81,6 +81,15 @@ void warn_of_other_parts(const std::string& path, const ScanChanges& changes, Ou
   }
 }
 
+/// Names the cameras of a scan folder that its cloud leaves out.
+void warn_of_other_cameras(const std::string& path, const ScanChanges& changes, Output& output) {
+  if (!fs::is_directory(path) || scan_files_in(path, changes).further_cameras.empty()) return;
+  output.warn(
+      fmt::format("{}: the cloud is of one camera; the others are left out; slipstream "
+                  "reconstruct uses them",
+                  path));
+}
+
 void add_replayed(const std::string& path, const ScanChanges& changes, JoinedRecording& recording,
                   Output& output) {
   ReplaySource source(path, {.rate = 0, .scan = changes});
@@ -405,6 +414,7 @@ void convert(const ConvertFlags& flags, Output& output) {
     } else if (is_recording(path)) {
       convert_recording(path, flags, files, output);
     } else {
+      warn_of_other_cameras(path, flags.changes, output);
       files.add(organised_cloud(path, flags.changes, flags.job, output), {path}, std::nullopt);
     }
   }

@@ -154,8 +154,9 @@ struct LiveStatistics {
   Latency latency;               ///< from capture to cloud
   Latency screen_latency;        ///< from capture to screen; zeros without a screen
   std::vector<StageStatistics> stages;
-  std::string source_state;              ///< FrameSource::state
-  std::string backend;                   ///< Engine::backend_for the newest cloud; empty before it
+  std::string source_state;  ///< FrameSource::state
+  /// Engine::backend_for the newest cloud, "matched cameras" or "fused cameras"; empty before it.
+  std::string backend;
   std::string fallback_reason;           ///< Engine::fallback_reason of the newest cloud
   std::optional<ObjectTrack> track;      ///< if requested
   std::optional<ModelStatistics> model;  ///< if requested

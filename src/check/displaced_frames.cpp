@@ -116,8 +116,8 @@ std::optional<Finding> displaced_frames(const JudgedScan& scan, const Fit& fit) 
                    {"unexplained share of the variation", fit.frames.residual}},
       .causes = {{CauseKind::unclear,
                   "camera, projector or object moved between the frames, or shook"}},
-      .remedies = {{"capture the scan again, and hold camera, projector and object still; if the "
-                    "object must move, use pmp or pcmp with extra frames for `motion`"}}};
+      .remedies = {{"capture the scan again, and hold camera, projector and object still"},
+                   {"if the object must move, use pmp or pcmp with extra frames for `motion`"}}};
 
   // With periodic stripes, frames that were mixed up may look displaced too.
   if (!fit.patterns_made()) {

@@ -165,11 +165,11 @@ std::string text_of(const LiveStatistics& statistics) {
   const LiveStatistics::Frames& frames = statistics.frames;
   std::string text = fmt::format(
       "{} frames in {:.1f} s: {} lost, {} overwritten, {} repeated\n"
-      "{} clouds, {:.1f} per second{}; {} windows lost, {} skipped, {} "
+      "{} cloud{}, {:.1f} per second{}; {} windows lost, {} skipped, {} "
       "resynchronisations\n"
       "capture to cloud: median {:.2f} ms, 99 % below {:.2f} ms, maximum {:.2f} ms{}",
       frames.captured, statistics.seconds, frames.lost, frames.overwritten, frames.repeated,
-      statistics.clouds, statistics.clouds_per_second,
+      statistics.clouds, statistics.clouds == 1 ? "" : "s", statistics.clouds_per_second,
       statistics.backend.empty() ? "" : ", backend " + statistics.backend, statistics.windows_lost,
       statistics.windows_skipped, statistics.resynchronisations, statistics.latency.p50,
       statistics.latency.p99, statistics.latency.max, text_of_cleaned(statistics.cleaned));

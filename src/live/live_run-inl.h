@@ -324,6 +324,8 @@ class LiveRun {
 
       // Clouds of two cameras come from elsewhere, so the engine's fallback does not matter.
       std::string backend = engine.used->backend_for(engine.views);
+      if (engine.match) backend = "matched cameras";
+      if (engine.fuse) backend = "fused cameras";
       std::string failure = engine.match || engine.fuse ? "" : engine.used->fallback_reason();
       {
         const std::lock_guard lock(mutex_);
@@ -348,7 +350,8 @@ class LiveRun {
 
       followed_.follow(*cloud);
       if (settings_.on_cloud) settings_.on_cloud(*cloud);
-      show_meter_.done((*cloud)->newest.host_time);
+      // Cameras that could not be fused give no cloud.
+      if (!settings_.fuse || (*cloud)->fused) show_meter_.done((*cloud)->newest.host_time);
     }
   }
 

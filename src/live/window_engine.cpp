@@ -6,6 +6,8 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/throw_if-inl.h"
@@ -28,6 +30,22 @@ constexpr std::chrono::milliseconds next_look{500};
 
 /// Share of moving pixels from which a window counts as moving.
 constexpr double least_moving = 0.01;
+
+/// Replaces advice that a live run cannot follow: it takes no order of frames, and frames of two
+/// cameras are fused without motion compensation.
+std::vector<Finding> with_live_advice(std::vector<Finding> findings) {
+  for (Finding& finding : findings) {
+    if (blames(finding, CauseKind::frame_order)) {
+      finding.remedies = {{"show the patterns in the order of the strategy"}};
+      finding.remark.clear();
+    }
+    std::erase_if(finding.remedies, [](const Remedy& remedy) {
+      return remedy.text.find("`order") != std::string::npos ||
+             remedy.text.find("`motion`") != std::string::npos;
+    });
+  }
+  return findings;
+}
 
 /// LiveCheck as a copyable function.
 std::function<std::vector<Finding>(const FrameViews&)> live_check(const EngineSetup& setup) {
@@ -247,7 +265,10 @@ ValidityCounts WindowEngine::fuse_cameras(LiveCloud& window) {
                   [](const Finding& finding) { return finding.kind == FindingKind::few_points; });
     return result.counts;
   } catch (const Error& error) {
-    of_pair.push_back({.kind = FindingKind::few_points, .what = error.what()});
+    constexpr std::string_view name = "the scan: ";
+    const std::string what = error.what();
+    const std::size_t from = what.starts_with(name) ? name.size() : 0;
+    of_pair.push_back({.kind = FindingKind::few_points, .what = what.substr(from)});
     return {};
   }
 }
@@ -266,8 +287,8 @@ bool WindowEngine::is_due(const LiveCloud& window) const {
 std::vector<Finding> WindowEngine::look(const LiveCloud& window) {
   looked = window.newest.sequence;
   view_window(window.frames, views);
-  if (fuse) return of_pair;
-  if (!match) return check(engines.front().merged(views));
+  if (fuse) return with_live_advice(of_pair);
+  if (!match) return with_live_advice(check(engines.front().merged(views)));
 
   // Check the first camera by itself, then the agreement between both cameras.
   const int count = frame_count(engines.front().setup().sequence);
@@ -276,7 +297,7 @@ std::vector<Finding> WindowEngine::look(const LiveCloud& window) {
   if (matched.agreement && matched.agreement->phase_shift != 0)
     findings.push_back(wrong_origin(whole.sequence.strategy, matched.agreement->phase_shift));
 
-  return findings;
+  return with_live_advice(std::move(findings));
 }
 
 }  // namespace slipstream

@@ -167,8 +167,8 @@ void require_reconstructible(const EngineSetup& setup) {
   throw Error(fmt::format(
       "{}: more than one period covers the field, so these frames alone give no depth; set "
       "`nearest` and `farthest` to a range of less than a period, or use one period, a second "
-      "camera, or a strategy that unwraps: {}",
-      strategy.name(), fmt::join(names_with_coordinate(), ", ")));
+      "camera, or patterns that unwrap, such as gray-phase",
+      strategy.name()));
 }
 
 void require_ambient_known(const EngineSetup& setup, std::string_view scanner) {

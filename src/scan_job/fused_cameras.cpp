@@ -196,12 +196,14 @@ void ScanJob::fuse_cameras(const CheckedJob& job, const std::string& name, ScanR
   std::vector<Finding>& findings = result.checked.findings;
   const std::size_t known = findings.size();
 
-  // An uncorrected response moves the cameras' points apart, and is reported already.
-  const bool is_bent =
-      std::ranges::any_of(findings, [](const auto& one) { return blames(one, CauseKind::gamma); });
+  // Wrong frames and an uncorrected response move points apart, and are reported already.
+  const bool is_explained =
+      any_wrong(findings) || std::ranges::any_of(findings, [](const Finding& finding) {
+        return blames(finding, CauseKind::gamma);
+      });
   try {
-    result.fused =
-        std::make_shared<const FusedModel>(fused_cameras(cameras, is_bent ? nullptr : &findings));
+    result.fused = std::make_shared<const FusedModel>(
+        fused_cameras(cameras, is_explained ? nullptr : &findings));
   } catch (const Error& error) {
     throw Error(fmt::format("{}: {}", name, error.what()));
   }

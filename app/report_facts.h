@@ -20,7 +20,8 @@ Facts facts_of_run(const Output& output);
 /// it was calibrated.
 void add_scanner(Facts& facts, const Scanner& scanner, const std::filesystem::path& file);
 
-/// Adds the temperature of a part of the camera, degrees Celsius, and how far it went.
+/// Adds the temperature of a part of the camera, degrees Celsius: from its first or least to its
+/// last or largest.
 void add_temperature(Facts& facts, const std::string& part, double from, double to);
 
 /// An error budget, a row for each source and the total: its size, a bar and how it was found.

@@ -26,7 +26,7 @@ constexpr milliseconds slowest{3000};
 constexpr std::chrono::seconds long_pause{5};
 /// Attempts at a guard, in a scene that does not stand still.
 constexpr int most_tries = 4;
-/// Showings of a pattern of a guard, on average, until each has a frame that shows it alone.
+/// A guard ends after as many pictures, times its patterns, even if some have no frame alone.
 constexpr std::size_t most_shown = 4;
 
 /// Mean grey level, of 255.

@@ -63,7 +63,7 @@ class SteppedSource : public SourceOver {
 
   [[nodiscard]] bool has_guard() const { return guard_ > 0; }
   /// Whether a guard is still to be taken: after a whole cycle, and compared with the cycle after
-  /// it. Any thread, also the next two.
+  /// it. May be called by any thread, as may the next two functions.
   [[nodiscard]] bool wants_guard() const;
   /// Takes a guard at the next chance, or cancels one.
   void want_guard(bool wanted);

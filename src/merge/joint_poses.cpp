@@ -45,10 +45,12 @@ class PoseEquations {
     Eigen::SparseMatrix<double> matrix(right_.size(), right_.size());
     matrix.setFromTriplets(squares_.begin(), squares_.end());
     for (Eigen::Index i = 0; i < right_.size(); ++i) matrix.coeffRef(i, i) *= 1 + 1e-9;
+
     const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(matrix);
     const Eigen::VectorXd step = solver.solve(right_);
     if (solver.info() != Eigen::Success || !step.allFinite()) return 0;
 
+    // Move, and keep the rotations exact.
     double most = 0;
     for (std::size_t i = 0; i < poses.size(); ++i) {
       if (place_[i] < 0) continue;
@@ -59,6 +61,7 @@ class PoseEquations {
       most =
           std::max(most, largest_displacement(before, pose, views[i].middle(), views[i].reach()));
     }
+
     return most;
   }
 
@@ -102,6 +105,7 @@ void balance_links(const std::vector<PreparedView>& views, const std::vector<Vie
       const Eigen::Isometry3d motion = wanted * pose.inverse();
       const Eigen::AngleAxisd turn(motion.linear());
       const Eigen::Vector3d middle = pose * second.middle();
+
       Vector6 step;
       step << turn.angle() * turn.axis(),
           motion * middle - middle - turn.angle() * turn.axis().cross(middle);
@@ -115,6 +119,7 @@ void balance_links(const std::vector<PreparedView>& views, const std::vector<Vie
       squares *= 1 / (1 + std::pow(off / usual, 2));
       equations.add(link, squares, squares * step);
     }
+
     if (equations.move(views, poses) < settled * usual) break;
   }
 }
@@ -129,12 +134,15 @@ void refine_jointly(const std::vector<PreparedView>& views, const std::vector<Vi
     PoseEquations equations(poses);
     for (const ViewLink& link : links) {
       if (!poses[link.first] || !poses[link.second]) continue;
+
+      // The distances between both surfaces, in the common frame.
       const PreparedView &first = views[link.first], &second = views[link.second];
       const Eigen::Isometry3d& to_common = *poses[link.first];
       const std::size_t step = (first.sample().size() + second.sample().size()) / each + 1;
       auto matches = match_surfaces(
           fine_surface(first), fine_surface(second), to_common.inverse() * *poses[link.second],
           3 * std::max(first.view().spacing, second.view().spacing), step);
+
       for (SurfaceMatch& match : matches) {
         match.place = to_common * match.place;
         match.first_normal = to_common.linear() * match.first_normal;

@@ -11,10 +11,10 @@ struct Overlap {
   double share = 0;
 };
 
-/// Chooses for each of `views` views up to 16 of its pairs, from those that overlap most to those
-/// that overlap least: near views match best, and far ones keep errors from adding up. A pair that
-/// either view chooses is kept, so the time for many views grows with their number and not with its
-/// square. Keeps the order.
+/// Chooses for each of `views` views up to 16 of its pairs, from the largest overlap to the
+/// smallest: near views match best, and far ones keep errors from adding up. A pair that either view
+/// chooses is kept, so the time for many views grows with their number and not with its square.
+/// Keeps the order.
 std::vector<Overlap> spread_overlaps(const std::vector<Overlap>& overlaps, std::size_t views);
 
 }  // namespace slipstream

@@ -73,9 +73,9 @@ class PointGrid {
   }
 
   /// Calls `visit(inside, near)` for each cell with points, on several threads. `inside`: the
-  /// indices of its points. `near`: the points in the cell and in those beside it, hence all at
-  /// most the edge of a cell from a point inside. Faster than a search for each point, if all
-  /// points are visited.
+  /// indices of its points. `near`: the points in the cell and in those beside it, among them
+  /// every point within the edge of a cell from a point inside. Faster than a search for each
+  /// point, if all points are visited.
   using VisitCell = std::function<void(std::span<const std::uint32_t>, const NearPoints&)>;
   void for_each_cell(const VisitCell& visit) const;
 

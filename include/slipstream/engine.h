@@ -220,7 +220,8 @@ class Engine {
                                         const FrameViews& frames);
 
   /// Backend used for such frames: "fused", "gpu" until it fails in any copy, or the phase method
-  /// of the reference engine: "lut", "equation", "closed-form".
+  /// of the reference engine: "lut", "equation", "closed-form"; "reference (lut)" if `lut` was
+  /// chosen, but the table engine does not take them.
   [[nodiscard]] std::string backend_for(const FrameViews& frames);
 
   /// Why the chosen or default engine does not take scans such as the newest, and what replaces it,

@@ -62,6 +62,10 @@ std::string without_fused(const std::string& why) {
   return fmt::format("no fused engine: {}; using the reference engine", why);
 }
 
+std::string without_tables(const std::string& why) {
+  return fmt::format("no table engine: {}; using the reference engine", why);
+}
+
 /// Frames of a motion window become one sequence. A scanner without geometry gets arbitrary lenses
 /// and an arbitrary pose, on which maps do not depend.
 EngineSetup as_reconstructed(EngineSetup setup) {
@@ -138,7 +142,7 @@ struct Engine::Tables {
       std::string why_not;
       table_engine = TableEngine::make(complete, corrections, &why_not);
       if (!table_engine && settings.phase_method == PhaseMethod::tables) {
-        fall_back(fmt::format("no table engine: {}; using the reference engine", why_not));
+        fall_back(without_tables(why_not));
       }
     }
 
@@ -216,6 +220,7 @@ struct Engine::Memory {
   FrameMotion motion;
   Cleaner clean;
   std::atomic<bool> unquantised = false;  ///< the newest frames, which no fused engine takes
+  std::atomic<bool> not_bytes = false;    ///< the newest frames, which the table engine lacks
 };
 
 Engine::Engine(const EngineSetup& setup)
@@ -293,6 +298,7 @@ void Engine::compute(const FrameViews& frames, const Outputs& outputs, const Ima
   // Other layouts, lenses or frames: the tables or the reference engine.
   const EngineKind kind = tables_->engine_for(frames);
   memory_->unquantised = tables_->fused && !frames.quantised();
+  memory_->not_bytes = tables_->table_engine && !TableEngine::takes(frames);
 
   if (kind == EngineKind::reference) {
     if (tables_->table_engine && TableEngine::takes(frames)) {
@@ -422,9 +428,16 @@ std::string Engine::backend_for(const FrameViews& frames) {
 
   const EngineKind kind = tables_->engine_for(frames);
   if (kind == EngineKind::reference) {
-    const bool by_tables = tables_->table_engine && TableEngine::takes(frames);
-    return by_tables ? std::string(name_of(PhaseMethod::tables))
-                     : tables_->reference().method_for(frames);
+    if (tables_->table_engine && TableEngine::takes(frames)) {
+      return std::string(name_of(PhaseMethod::tables));
+    }
+
+    // Without the table engine, only the phases are looked up.
+    const std::string method = tables_->reference().method_for(frames);
+    const bool was_chosen = setup().settings.engine == EngineKind::reference;
+    return was_chosen && method.find("lut") != std::string::npos
+               ? fmt::format("reference ({})", method)
+               : method;
   }
 
   return kind == EngineKind::gpu ? "gpu" : "fused";
@@ -432,6 +445,7 @@ std::string Engine::backend_for(const FrameViews& frames) {
 
 std::string Engine::fallback_reason() const {
   if (memory_->unquantised) return without_fused("it requires 8 to 16 bits");
+  if (memory_->not_bytes) return without_tables("it requires 8 bits and a single exposure");
   return tables_->fell_back ? tables_->fallback_reason : "";
 }
 

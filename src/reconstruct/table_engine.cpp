@@ -268,10 +268,11 @@ std::optional<TableEngine> TableEngine::make(const EngineSetup& setup,
                         layout.single_frames.empty() && layout.unwrapping == Unwrapping::none &&
                         layout.bands.front().periods == 1 && layout.bands.front().carrier == 0;
 
-  if (!has_tables || !is_plain || run->first != 0 || run->steps != layout.frames ||
-      run->shifts != Shifts{}) {
+  if (layout.bands.front().cycle) return refuse("extra frames for motion");
+  if (!has_tables || !is_plain || run->first != 0 || run->steps != layout.frames) {
     return refuse("patterns other than 3, 4 or 6 steps of one period");
   }
+  if (run->shifts != Shifts{}) return refuse("phases that run backwards or do not begin at 0");
 
   const auto correction = corrections.find(run->steps);
   auto tables = std::make_shared<Tables>(

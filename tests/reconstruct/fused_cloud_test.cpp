@@ -212,7 +212,7 @@ TEST(FusedCloud, TheReferenceStandsInWhereItCannot) {
   // projector's lens bends too much for them.
   const ReconstructSettings by_reference{.engine = EngineKind::reference};
   Engine reference(example_scanner({64, 48}), sequence, by_reference);
-  EXPECT_EQ(reference.backend_for(bytes), "lut");
+  EXPECT_EQ(reference.backend_for(bytes), "reference (lut)");
   EXPECT_EQ(reference.fallback_reason(),
             "no table engine: its polynomials do not describe this projector lens exactly enough; "
             "using the reference engine");

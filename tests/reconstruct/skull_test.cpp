@@ -56,7 +56,7 @@ TEST_P(Skull, AgreesWithTheReferenceDepth) {
       read_grey_image(folder / "reference" / "dual-frequency-depth.png");
 
   Engine engine(scanner, sequence, GetParam().settings);
-  EXPECT_EQ(engine.backend_for(loaded.frames), GetParam().name);
+  EXPECT_NE(engine.backend_for(loaded.frames).find(GetParam().name), std::string::npos);
   Cloud cloud;
   engine.cloud(loaded.frames, cloud);
 

@@ -125,6 +125,8 @@ TEST(TableEngine, RefusesOtherPatternsWithTheReason) {
   EXPECT_EQ(refused(PhaseMeasuring{.steps = 5, .frequency = 1}), other);
   EXPECT_EQ(refused(DualFrequency{.steps = 3, .high = 16, .low = 1}), other);
   EXPECT_EQ(refused(PhaseMeasuring{.steps = 6, .frequency = 1}), "taken");
+  EXPECT_EQ(refused(Strategy(PhaseMeasuring{.steps = 4, .frequency = 1}).in_motion(2, 0)),
+            "extra frames for motion");
 }
 
 TEST(TableEngine, TakesTheExampleScannerWithAndWithoutADepthRange) {
@@ -147,6 +149,12 @@ TEST(TableEngine, IsTheEngineOfBackendLut) {
   Cloud cloud;
   engine.cloud(scan.frames.views(), cloud);
   EXPECT_GT(point_count(cloud), 1000U);
+  EXPECT_EQ(engine.fallback_reason(), "");
+
+  const FrameSet words(FrameSet::Images16(4, Image<std::uint16_t>(setup.scanner.camera.size)));
+  EXPECT_EQ(engine.backend_for(words), "equation");
+  engine.cloud(words, cloud);
+  EXPECT_NE(engine.fallback_reason().find("it requires 8 bits"), std::string::npos);
 }
 
 }  // namespace

@@ -144,6 +144,21 @@ Scan read_scan(const ScanChanges& input, const ReconstructFlags& flags, Reconstr
   return scan;
 }
 
+/// The points of cameras that were fused.
+void tell_fused(const ReconstructedScan& scan, Output& output) {
+  const ScanResult& result = scan.result;
+  const bool by_match = !has_coordinate(result.setup.sequence.strategy);
+  const auto shared = std::ranges::count_if(
+      result.fused->points, [](const ModelPoint& point) { return point.views > 1; });
+  output.say(
+      "{}: {} points, {:.3g} mm apart, of {} cameras with {} points; {} of them "
+      "seen by two or more, {:.2g} mm apart in the median; {}:",
+      text_of(scan.name), result.fused->points.size(), result.fused->spacing,
+      result.points_of_cameras.size(), fmt::join(result.points_of_cameras, ", "), shared,
+      quality_of(*result.fused).median_disagreement.value_or(0),
+      by_match ? "their match" : "the first camera");
+}
+
 }  // namespace
 
 LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, const Manifest* before,
@@ -256,18 +271,8 @@ std::string text_of(const PredictedRms& predicted) {
 
 void tell(const ReconstructedScan& scan, Output& output) {
   const ScanResult& result = scan.result;
-  if (result.fused) {
-    const bool by_match = !has_coordinate(result.setup.sequence.strategy);
-    const auto shared = std::ranges::count_if(
-        result.fused->points, [](const ModelPoint& point) { return point.views > 1; });
-    output.say(
-        "{}: {} points, {:.3g} mm apart, of {} cameras with {} points; {} of them "
-        "seen by two or more, {:.2g} mm apart in the median; {}:",
-        text_of(scan.name), result.fused->points.size(), result.fused->spacing,
-        result.points_of_cameras.size(), fmt::join(result.points_of_cameras, ", "), shared,
-        quality_of(*result.fused).median_disagreement.value_or(0),
-        by_match ? "their match" : "the first camera");
-  }
+  if (result.fused) tell_fused(scan, output);
+
   const std::string done = scan.output == ScanOutput::maps
                                ? fmt::format("measured {}", result.counts[0])
                                : fmt::format("{} points", result.counts[0]);

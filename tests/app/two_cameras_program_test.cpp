@@ -84,6 +84,9 @@ TEST_F(TwoCamerasProgram, LiveTellsWhyItDoesNotFuse) {
                                       "--farthest", "2", "--headless", "-o", path("live.ply")});
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_NE(run.err.find("camera 1 measures only 0 points"), std::string::npos) << run.err;
+  EXPECT_EQ(run.err.find("the scan:"), std::string::npos) << run.err;
+  EXPECT_NE(run.out.find("0 clouds"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("backend fused cameras"), std::string::npos) << run.out;
   EXPECT_FALSE(fs::exists(path("live.ply")));
 }
 
@@ -98,6 +101,13 @@ TEST_F(TwoCamerasProgram, LiveReportsFramesOfTheSecondCameraThatDoNotFit) {
                              "replay:" + second.string(), "--fuse", "--headless"});
   const std::string findings = live["findings"].dump();
   EXPECT_NE(findings.find("camera 2"), std::string::npos) << findings;
+  EXPECT_EQ(findings.find("--order"), std::string::npos) << findings;
+
+  // The setting would reorder the first camera's frames, too.
+  const ProgramRun run = run_program({"reconstruct", folder, "--fuse", "-o", path("scan.ply")});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_EQ(run.err.find("--order"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("in its scan.yaml in the order"), std::string::npos) << run.err;
 }
 
 TEST_F(TwoCamerasProgram, MatchedCamerasRefuseReflection) {
@@ -156,6 +166,9 @@ TEST_F(TwoCamerasProgram, LiveTakesTwoVirtualCameras) {
 
 TEST_F(TwoCamerasProgram, FlagsNameTheSecondCamera) {
   const std::string folder = scan({"--strategy", "dual-frequency"});
+  const ProgramRun converted = run_program({"convert", folder, "-o", path("one.ply")});
+  EXPECT_NE(converted.err.find("of one camera; the others are left out"), std::string::npos)
+      << converted.err;
   const auto own = json_of({"reconstruct", folder, "-o", path("own.ply")});
   fs::rename(folder + "/second", path("other"));
   const auto named =

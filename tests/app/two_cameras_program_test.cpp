@@ -58,6 +58,9 @@ TEST_F(TwoCamerasProgram, LiveGivesTheCloudOfReconstruct) {
                  "replay:" + folder + "/second", "--headless", "-o", path("live.ply")});
     EXPECT_EQ(live["clouds"], 1) << what;
     EXPECT_EQ(read_file(path("live.ply")), read_file(path("scan.ply"))) << what;
+    EXPECT_EQ(run_program({"reconstruct", folder, "--fuse", "-o", "-"}).out,
+              read_text(path("scan.ply")))
+        << what;
   }
 }
 

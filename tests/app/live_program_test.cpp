@@ -281,7 +281,7 @@ TEST(LiveProgram, RefusesWhatCannotBe) {
   expect_refused(with(small, {"--track", "cube"}), "cube");
   expect_refused(with(small, {"--vibrate", "1", "0"}), "--vibrate 1 0");
   expect_refused(with(small, {"--breathe", "1", "9"}), "--breathe 1 9");
-  expect_refused(with(small, {"--frequency", "5"}), "frequency");
+  expect_refused(with(small, {"--frequency", "5"}), "more than one period");
 }
 
 }  // namespace slipstream::live_program_test

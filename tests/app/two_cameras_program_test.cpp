@@ -58,9 +58,6 @@ TEST_F(TwoCamerasProgram, LiveGivesTheCloudOfReconstruct) {
                  "replay:" + folder + "/second", "--headless", "-o", path("live.ply")});
     EXPECT_EQ(live["clouds"], 1) << what;
     EXPECT_EQ(read_file(path("live.ply")), read_file(path("scan.ply"))) << what;
-    EXPECT_EQ(run_program({"reconstruct", folder, "--fuse", "-o", "-"}).out,
-              read_text(path("scan.ply")))
-        << what;
   }
 }
 
@@ -77,6 +74,9 @@ TEST_F(TwoCamerasProgram, LiveFusesToTheCloudOfReconstruct) {
     EXPECT_GT(fused["scans"][0]["points"], 5000) << what;
     EXPECT_EQ(live["cleaned"]["valid"], fused["scans"][0]["points"]) << what;
     EXPECT_EQ(read_file(path("live.ply")), read_file(path("scan.ply"))) << what;
+    EXPECT_TRUE(run_program({"reconstruct", folder, "--fuse", "-o", "-"}).out ==
+                read_text(path("scan.ply")))
+        << what;
   }
 }
 

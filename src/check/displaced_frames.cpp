@@ -117,7 +117,8 @@ std::optional<Finding> displaced_frames(const JudgedScan& scan, const Fit& fit) 
       .causes = {{CauseKind::unclear,
                   "camera, projector or object moved between the frames, or shook"}},
       .remedies = {{"capture the scan again, and hold camera, projector and object still"},
-                   {"if the object must move, use pmp or pcmp with extra frames for `motion`"}}};
+                   {"if the object must move, use pmp or pcmp with extra frames for `motion`, and "
+                    "not `fuse`"}}};
 
   // With periodic stripes, frames that were mixed up may look displaced too.
   if (!fit.patterns_made()) {

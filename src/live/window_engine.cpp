@@ -7,7 +7,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "base/throw_if-inl.h"
@@ -31,19 +30,21 @@ constexpr std::chrono::milliseconds next_look{500};
 /// Share of moving pixels from which a window counts as moving.
 constexpr double least_moving = 0.01;
 
-/// Replaces advice that a live run cannot follow: it takes no order of frames, and frames of two
-/// cameras are fused without motion compensation.
+/// Replaces advice that a live run cannot follow: it takes no order of frames.
 std::vector<Finding> with_live_advice(std::vector<Finding> findings) {
+  const auto sets_order = [](const Remedy& remedy) {
+    return std::ranges::any_of(
+        remedy.settings, [](const SettingChange& setting) { return setting.name == "order"; });
+  };
+
   for (Finding& finding : findings) {
     if (blames(finding, CauseKind::frame_order)) {
       finding.remedies = {{"show the patterns in the order of the strategy"}};
       finding.remark.clear();
     }
-    std::erase_if(finding.remedies, [](const Remedy& remedy) {
-      return remedy.text.find("`order") != std::string::npos ||
-             remedy.text.find("`motion`") != std::string::npos;
-    });
+    std::erase_if(finding.remedies, sets_order);
   }
+
   return findings;
 }
 
@@ -251,24 +252,29 @@ ValidityCounts WindowEngine::fuse_cameras(LiveCloud& window) {
   scan.further_cameras.push_back(scan_of(second_views, *second));
 
   // 2. Its points; a camera that is covered for a while does not end the run.
+  const std::string name = "window";
   try {
-    const CheckedJob job = checked_job(std::move(scan), fuse->settings());
+    const CheckedJob job = checked_job(std::move(scan), fuse->settings(), name);
     of_pair = job.checked.findings;
-    ScanResult result = (*fuse)(job);
+
+    ScanResult result = (*fuse)(job, name);
     window.fused = result.fused;
     window.fused_points = model_points(*result.fused).cloud;
     window.cloud = std::move(result.cloud);
+
+    // The live statistics count what cleaning removed: the kinds of validity from low trust on.
     std::fill_n(result.counts.begin(), static_cast<int>(Validity::low_trust), 0);
-    of_pair = std::move(result.checked.findings);
+
     // Few points are usual in a live scene.
+    of_pair = std::move(result.checked.findings);
     std::erase_if(of_pair,
                   [](const Finding& finding) { return finding.kind == FindingKind::few_points; });
     return result.counts;
   } catch (const Error& error) {
-    constexpr std::string_view name = "the scan: ";
-    const std::string what = error.what();
-    const std::size_t from = what.starts_with(name) ? name.size() : 0;
-    of_pair.push_back({.kind = FindingKind::few_points, .what = what.substr(from)});
+    // The error begins with the name of its scan, which means nothing to the reader here.
+    std::string what = error.what();
+    if (what.starts_with(name + ": ")) what.erase(0, name.size() + 2);
+    of_pair.push_back({.kind = FindingKind::few_points, .what = std::move(what)});
     return {};
   }
 }

@@ -435,7 +435,7 @@ std::string Engine::backend_for(const FrameViews& frames) {
     // Without the table engine, only the phases are looked up.
     const std::string method = tables_->reference().method_for(frames);
     const bool was_chosen = setup().settings.engine == EngineKind::reference;
-    return was_chosen && method.find("lut") != std::string::npos
+    return was_chosen && method.find(name_of(PhaseMethod::tables)) != std::string::npos
                ? fmt::format("reference ({})", method)
                : method;
   }

@@ -71,9 +71,8 @@ ScanResult points_as_measured(const Scan& scan, EngineSetup setup, Maps maps, co
 }
 
 /// The share of two cameras' points that the other camera sees as if they floated in front of the
-/// surface. Points behind it may be hidden from that camera. nullopt if too few are comparable.
-std::optional<double> floating_share(const View& one, const View& other,
-                                     const Eigen::Isometry3d& to_other) {
+/// surface. Points behind it may be hidden from that camera. 0 if too few are comparable.
+double floating_share(const View& one, const View& other, const Eigen::Isometry3d& to_other) {
   constexpr std::size_t step = 4;  // every fourth point is enough
   constexpr double fewest = 25;
 
@@ -89,7 +88,7 @@ std::optional<double> floating_share(const View& one, const View& other,
   compare(one, other, to_other.cast<float>());
   compare(other, one, to_other.inverse().cast<float>());
 
-  if (floating + near < fewest) return std::nullopt;
+  if (floating + near < fewest) return 0;
   return floating / (floating + near);
 }
 
@@ -104,9 +103,9 @@ std::optional<Finding> cameras_apart(const FusedModel& model, const std::vector<
   std::string cameras;
   for (std::size_t i = 0; i < views.size(); ++i) {
     for (std::size_t k = i + 1; k < views.size(); ++k) {
-      const auto share = floating_share(views[i], views[k], poses[k]->inverse() * *poses[i]);
-      if (share.value_or(0) < worst) continue;
-      worst = share.value_or(0);
+      const double share = floating_share(views[i], views[k], poses[k]->inverse() * *poses[i]);
+      if (share < worst) continue;
+      worst = share;
       cameras = fmt::format("{} and {}", i + 1, k + 1);
     }
   }

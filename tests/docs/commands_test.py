@@ -212,7 +212,7 @@ def run_page(page, folder, display):
     (folder / "build").mkdir()
     (folder / "build" / "slipstream").symlink_to(PROGRAM)
     (folder / "build" / "python3").symlink_to(sys.executable)
-    for name in ("tests", "tools"):
+    for name in ("bench", "tests", "tools"):
         (folder / name).symlink_to(SOURCES / name)
 
     # 2. Blocks in their order, then commands within sentences.

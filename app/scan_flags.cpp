@@ -115,9 +115,10 @@ void add_pattern_flags(CLI::App& subcommand, SequenceChanges& changes, bool with
 void add_scan_flags(CLI::App& subcommand, ScanChanges& changes) {
   const FlagGroup group{subcommand, "Patterns (override the scan's own)"};
   add_sequence_flags(group, changes.sequence);
-  group.add("--order", changes.order,
-            "frame index of each pattern, from 0, e.g. 2,0,1; or 'code,sinusoids' if the code "
-            "comes first");
+  group.add(
+      "--order", changes.order,
+      "frame index of each pattern, from 0, e.g. 2,0,1 or 0-17; or 'code,sinusoids' if the code "
+      "comes first");
 
   const auto choose = [&changes](const std::string& name) {
     changes.channel = grey_channel_named(name);

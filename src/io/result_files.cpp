@@ -223,6 +223,13 @@ void require_writable(const ResultFiles& files, const std::vector<ScanName>& sca
     if (i == 0 || scans[i].path != scans[i - 1].path) distinct.add_input(scans[i].path);
   }
 
+  for (const auto& [name, path] : files.named()) {
+    throw_if(scans.size() > 1 && path.find('{') == path.npos,
+             "{}: {} scans would be written to it, {} and so on; put {{name}} in its name, or if "
+             "these are pictures of one scan, give their folder",
+             path, scans.size(), text_of(scans.front()));
+  }
+
   for (const ScanName& scan : scans) {
     for (const auto& [name, path] : files_of_scan(files, scan).named()) distinct.add_output(path);
   }
@@ -300,9 +307,7 @@ void DistinctFiles::add_output(const fs::path& path) {
            path.string());
 
   throw_if(!outputs_.insert(file).second,
-           "{}: two outputs would be written to it; use different names, such as with {{name}} for "
-           "several scans",
-           path.string());
+           "{}: two outputs would be written to it; use different names", path.string());
 
   for (const fs::path& beside : files_beside(path)) add_output(beside);
 }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <set>
+#include <string_view>
 #include <tuple>
 #include <vector>
 
@@ -328,11 +329,20 @@ std::vector<int> order_from(const std::string& text, const Sequence& sequence) {
     return order_by_kind(text.starts_with("code"), sequence);
   }
 
-  std::vector<int> order = numbers_in<int>(text, ',');
-  throw_if(order.empty(),
-           "`order` '{}': expected comma-separated numbers, e.g. 2,0,1, or sinusoids,code or "
-           "code,sinusoids",
-           text);
+  constexpr int most = 100'000;  // frames in a folder
+  std::vector<int> order;
+  std::string_view rest = text;
+  do {
+    // A number, or a range such as 0-17.
+    const std::vector<int> ends = numbers_in<int>(take_until(rest, ','), '-');
+    const bool is_range =
+        (ends.size() == 1 || ends.size() == 2) && ends.front() <= ends.back() && ends.back() < most;
+    throw_if(!is_range,
+             "`order` '{}': expected numbers or ranges with commas between, e.g. 2,0,1 or 0-17, or "
+             "sinusoids,code or code,sinusoids",
+             text);
+    for (int frame = ends.front(); frame <= ends.back(); ++frame) order.push_back(frame);
+  } while (!rest.empty());
   return order;
 }
 

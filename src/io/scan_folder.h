@@ -35,7 +35,8 @@ void write_scan_files(const std::filesystem::path& file, const ScanFiles& scan);
 /// so on.
 std::string folder_of_camera(std::size_t number);
 
-/// The order of a sequence's frames from text: "2,0,1", "sinusoids,code" or "code,sinusoids".
+/// The order of a sequence's frames from text: "2,0,1", "0-17,36-49", "sinusoids,code" or
+/// "code,sinusoids".
 /// Throws Error for any other text.
 std::vector<int> order_from(const std::string& text, const Sequence& sequence);
 

@@ -21,7 +21,7 @@ std::array<std::string_view, 10> names_of(const ScannerLayout& layout) {
 
 }  // namespace
 
-constinit const std::array<ScannerLayout, 14> scanner_layouts{{
+constinit const std::array<ScannerLayout, 15> scanner_layouts{{
     // slipstream's own, which is also written.
     {{"camera_matrix", "camera_distortion", "camera_width", "camera_height"},
      {"projector_matrix", "projector_distortion", "projector_width", "projector_height"},
@@ -45,6 +45,7 @@ constinit const std::array<ScannerLayout, 14> scanner_layouts{{
     // Scripts that call OpenCV's stereoCalibrate.
     {{"K1", "D1", "", ""}, {"K2", "D2", "", ""}, "R", "T"},
     {{"mtx1", "dist1", "", ""}, {"mtx2", "dist2", "", ""}, "R", "T"},
+    {{"K1", "dist1", "", ""}, {"K2", "dist2", "", ""}, "R", "t"},
     // kamino410/procam-calibration.
     {{"cam_int", "cam_dist", "", "img_shape"},
      {"proj_int", "proj_dist", "", ""},

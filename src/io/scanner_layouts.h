@@ -33,7 +33,7 @@ inline constexpr std::array<std::string_view, 2> residual_entries{"camera_residu
                                                                   "projector_residual"};
 
 /// The layouts of all known tools; slipstream's own, which is also written, comes first.
-extern const std::array<ScannerLayout, 14> scanner_layouts;
+extern const std::array<ScannerLayout, 15> scanner_layouts;
 
 /// Whether a layout's second device is a camera or, with `if_either`, only numbered as the second.
 bool is_camera_pair(const ScannerLayout& layout, bool if_either);

@@ -84,6 +84,8 @@ TEST_F(HostileInput, OutputsAreNeitherInputsNorTwice) {
   expect_refused(
       {"reconstruct", path("scan"), "--mesh", path("a.obj"), "--preview", path("a-texture.png")},
       "two outputs");
+  expect_refused({"reconstruct", path("scan"), path("scan/frame_00.png"), "-o", path("a.ply")},
+                 "give their folder");
   expect_refused({"live", "--frames", "4", "--headless", "--camera", "64x48", "-o",
                   path("same.ply"), "--record", path("same.ply")},
                  "two outputs");

@@ -148,8 +148,14 @@ TEST(Containers, TiffStackHasWindows) {
   for (int n = 0; n < 8; ++n) ASSERT_EQ(replay.next(frame, {}), Arrival::frame);
   EXPECT_EQ(replay.next(frame, {}), Arrival::ended);
   changes.window = 1;
-  changes.order = "2,3,0,1";
-  expect_same_frames(load_frames(scan_files_in(folder.path(), changes)).frames, frames);
+  for (const char* const order : {"2,3,0,1", "2-3,0-1"}) {
+    changes.order = order;
+    expect_same_frames(load_frames(scan_files_in(folder.path(), changes)).frames, frames);
+  }
+  for (const char* const wrong : {"3-2", "0-", "0-1-2", "0-100000", ",0"}) {
+    changes.order = wrong;
+    EXPECT_THROW((void)scan_files_in(folder.path(), changes), Error) << wrong;
+  }
 }
 
 TEST(Containers, TiffStackIsListedOnceForAllItsWindows) {

@@ -97,6 +97,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(std::vector<std::string>{"cameraMatrix1", "distCoeffs1", "cameraMatrix2",
                                              "distCoeffs2", "R", "T"},
                     std::vector<std::string>{"K1", "D1", "K2", "D2", "R", "T"},
+                    std::vector<std::string>{"K1", "dist1", "K2", "dist2", "R", "t"},
                     std::vector<std::string>{"K_cam", "dist_cam", "K_proj", "dist_proj", "R", "T"},
                     std::vector<std::string>{"camera_matrix", "dist", "projector_matrix",
                                              "projector_dist", "R", "T"},

@@ -342,6 +342,7 @@ void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output) {
   if (flags.points) write_point_list(*flags.points, points_of(captures.views, board));
 
   // 2. Calibrate both lenses and the pose between them.
+  output.tell_wait("calibrating");
   const GeometryCalibration calibration =
       calibrate_geometry(captures.views, board, captures.camera, captures.projector, settings);
 

@@ -84,8 +84,8 @@ struct DriftVerdict {
 };
 
 DriftVerdict judged(const DepthSeries& series) {
-  const std::string all = fmt::format("{} scan{} in {:.2f} min", series.scans(),
-                                      series.scans() == 1 ? "" : "s", series.mean.x.back());
+  const std::string all =
+      fmt::format("{} in {:.2f} min", counted(series.scans(), "scan"), series.mean.x.back());
   if (series.scans() < least_values_to_judge) {
     return {.answer = {"usable", fmt::format("too few scans to tell whether depth is steady: {}; "
                                              "at least {}",

@@ -202,7 +202,7 @@ void convert_to_folders(const std::vector<std::string>& recordings, const std::s
   }
 
   throw_if(written.empty(), "no complete scan to write");
-  output.say("{}: {} scan folder{}", folder, written.size(), written.size() == 1 ? "" : "s");
+  output.say("{}: {}", folder, counted(written.size(), "scan folder"));
   output.add("scans", written.size(), "files", written);
 }
 
@@ -235,8 +235,7 @@ class CloudFiles {
     if (writer_) writer_->finish();
 
     const std::size_t files = writer_ ? 1 : written_.size();
-    output_.say("{}: {} cloud{} in {} file{}", path_, count_, count_ == 1 ? "" : "s", files,
-                files == 1 ? "" : "s");
+    output_.say("{}: {} in {}", path_, counted(count_, "cloud"), counted(files, "file"));
 
     output_.document["clouds"] = count_;
     output_.document["files"] = writer_ ? nlohmann::json{path_} : nlohmann::json(written_);
@@ -407,6 +406,7 @@ void convert(const ConvertFlags& flags, Output& output) {
   require_only(!one_file || flags.paths.size() == 1, flags.output);
 
   for (const std::string& path : flags.paths) {
+    output.tell_wait(path + ": converting");
     if (is_mcap(path)) {
       convert_mcap(path, flags.topic, files, output);
     } else if (is_cloud_file(path)) {

@@ -97,6 +97,7 @@ Scanner add_second_camera(const LiveFlags& flags, SourceRequest request, NamedSo
   if (scheme_of(name) == "virtual") {
     request.world =
         seen_from_second(request.world ? *request.world : world_from(flags.source.virtual_scanner));
+    request.while_rendering = [](double) {};  // the first camera's bar is enough
   }
 
   NamedSource second = open(request, output);

@@ -369,6 +369,7 @@ void merge(const MergeFlags& flags, Output& output) {
   refuse_left_out(flags, joint, output);
 
   // 3. The model.
+  output.tell_wait("fusing the views");
   std::vector<const View*> sources;
   for (const PreparedView& view : views) sources.push_back(&view.view());
   FusedModel model = fuse(sources, joint.poses, static_cast<float>(flags.spacing));

@@ -100,7 +100,21 @@ void Output::tell_verdict(std::string_view grade, const std::string& words) {
   if (grade == "bad") exit_code = 2;
 }
 
+void Output::tell_wait(std::string_view work) {
+  if (holds_ || ::isatty(STDERR_FILENO) != 1) return;
+
+  // The next line is written over it.
+  fmt::print(stderr, "{} ...\033[K\r", printable(work));
+  std::fflush(stderr);
+  waits_ = true;
+}
+
+void Output::clear_wait() {
+  if (std::exchange(waits_, false)) std::fputs("\033[K", stderr);
+}
+
 void Output::finish() {
+  clear_wait();
   if (json_) {  // file names need not be UTF-8
     write_line(stdout, document_with_flags(document).dump(
                            2, ' ', true, nlohmann::json::error_handler_t::replace));
@@ -113,6 +127,7 @@ void Output::finish() {
 
 void Output::write_line(std::FILE* stream, std::string_view line) {
   if (holds_) return static_cast<void>(held_.emplace_back(stream, line));
+  clear_wait();
 
   // finish() reports a failed stdout; a failed stderr cannot be reported.
   const std::string shown = printable_lines(line) + '\n';

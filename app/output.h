@@ -175,10 +175,8 @@ class Output {
     write_line(stderr, fmt::format("slipstream: {}", with_flags(printable(message))));
   }
 
-  /// A line before work of seconds, for who watches: only on a terminal.
-  void tell_wait(std::string_view work) {
-    if (::isatty(STDERR_FILENO) == 1) write_line(stderr, fmt::format("{} ...", work));
-  }
+  /// Shows work that may take seconds, on a terminal alone and until the next line.
+  void tell_wait(std::string_view work);
 
   /// The document that `--json` prints. Values are built before they are inserted, here and by list
   /// and object, as [] and push_back leave broken values when out of memory.
@@ -226,8 +224,11 @@ class Output {
  private:
   void write_line(std::FILE* stream, std::string_view line);
 
+  void clear_wait();
+
   bool json_, aside_;
   bool holds_ = false;
+  bool waits_ = false;  ///< work is shown
   std::vector<std::pair<std::FILE*, std::string>> held_{};
 };
 

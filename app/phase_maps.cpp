@@ -57,7 +57,7 @@ void tell(const UnwrappedPhase<double>& unwrapped, Output& output) {
 
   output.document["pixels"] = pixels;
   const std::size_t count = unwrapped.regions.size();
-  output.say("{} pixels in {} region{}{}; {} anchored", pixels, count, count == 1 ? "" : "s",
+  output.say("{} pixels in {}{}; {} anchored", pixels, counted(count, "region"),
              count > 1 ? fmt::format(", the largest of {}", unwrapped.regions.front().pixels) : "",
              anchored);
 }

@@ -316,11 +316,18 @@ void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output
       }));
     }
 
-    // The capture is initialised on this thread: it reconstructs; the task only writes the files.
-    writing.push_back(std::async(
-        start, [&flags, scan = reconstructed(next_of(loading), flags, reused)]() mutable {
-          return written(std::move(scan), flags);
-        }));
+    // This thread reconstructs; the task only writes the files. Of several scans the bar tells.
+    const auto tell_wait = [&](const char* work) {
+      if (count == 1) output.tell_wait(fmt::format("{}: {}", flags.scans[i].path, work));
+    };
+    tell_wait("reading");
+    LoadedScan loaded = next_of(loading);
+    tell_wait("reconstructing");
+    ReconstructedScan scan = reconstructed(std::move(loaded), flags, reused);
+    tell_wait("writing");
+    writing.push_back(std::async(start, [&flags, scan = std::move(scan)]() mutable {
+      return written(std::move(scan), flags);
+    }));
 
     while (writing.size() > most_written) tell_next();
   }

@@ -238,7 +238,9 @@ NamedSource open(SourceRequest request, Output& output) {
     output.say("{} = {}", node.name, node.value);
   };
 
-  request.while_rendering = progress_of("rendering the virtual camera's frames");
+  if (!request.while_rendering) {
+    request.while_rendering = progress_of("rendering the virtual camera's frames");
+  }
   NamedSource opened = open_source(request);
 
   if (request.camera.pixel_format == PixelFormat::mjpg) {

@@ -38,6 +38,10 @@ std::string printable_lines(std::string_view text) {
   return without_controls(text, true);
 }
 
+std::string counted(std::size_t count, std::string_view noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
 std::string with_names(std::string_view text,
                        std::optional<std::string> (*named)(std::string_view quoted)) {
   std::string shown;

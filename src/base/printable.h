@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,6 +13,9 @@ std::string printable(std::string_view text);
 
 /// The same, but line breaks stay: for texts of several lines.
 std::string printable_lines(std::string_view text);
+
+/// "1 cloud", "3 clouds".
+std::string counted(std::size_t count, std::string_view noun);
 
 /// A text of the library, see Error, with what `named` gives for each text between backquotes, in
 /// place of these too; where it gives nullopt, they stay.

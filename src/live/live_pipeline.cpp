@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "base/printable.h"
 #include "base/throw_if-inl.h"
 #include "live/change_signal.h"
 #include "live/cloud_follower.h"
@@ -165,11 +166,11 @@ std::string text_of(const LiveStatistics& statistics) {
   const LiveStatistics::Frames& frames = statistics.frames;
   std::string text = fmt::format(
       "{} frames in {:.1f} s: {} lost, {} overwritten, {} repeated\n"
-      "{} cloud{}, {:.1f} per second{}; {} windows lost, {} skipped, {} "
+      "{}, {:.1f} per second{}; {} windows lost, {} skipped, {} "
       "resynchronisations\n"
       "capture to cloud: median {:.2f} ms, 99 % below {:.2f} ms, maximum {:.2f} ms{}",
       frames.captured, statistics.seconds, frames.lost, frames.overwritten, frames.repeated,
-      statistics.clouds, statistics.clouds == 1 ? "" : "s", statistics.clouds_per_second,
+      counted(statistics.clouds, "cloud"), statistics.clouds_per_second,
       statistics.backend.empty() ? "" : ", backend " + statistics.backend, statistics.windows_lost,
       statistics.windows_skipped, statistics.resynchronisations, statistics.latency.p50,
       statistics.latency.p99, statistics.latency.max, text_of_cleaned(statistics.cleaned));

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <optional>
@@ -120,10 +121,12 @@ void require_one_shape(const PointPairs& pairs, const PointFit& fit) {
 
   Squares distances;
   for (const Eigen::Vector3d& point : pairs.points) distances.add((point - mean).squaredNorm());
+  const auto worst = std::ranges::max_element(fit.residuals) - fit.residuals.begin();
   throw_if(fit.rms > most * distances.rms(),
-           "the points do not fit their places in the frame: residuals of {:.3g} mm RMS, where the "
-           "points are {:.3g} mm from their mean; check their order, unit and signs",
-           fit.rms, distances.rms());
+           "the points do not fit their places in the frame: residuals of {:.3g} mm RMS, the "
+           "largest at {}, where the points are {:.3g} mm from their mean; check their order, unit "
+           "and signs",
+           fit.rms, pairs.names[static_cast<std::size_t>(worst)], distances.rms());
 }
 
 void find_by_points(const PointsFlags& flags, Output& output) {
@@ -157,8 +160,10 @@ void find_by_planes(const PlanesFlags& flags, Output& output) {
 
   std::array<FittedPlane, 3> planes;
   for (std::size_t i = 0; i < planes.size(); ++i) {
-    const Rectangle rectangle = region_from(flags.planes[i], "--plane");
-    planes[i] = fit_plane(points_in(stored.cloud, nullptr, rectangle));
+    const std::string& plane = flags.planes[i];
+    planes[i] = naming("--plane " + plane, [&] {
+      return fit_plane(points_in(stored.cloud, nullptr, region_from(plane, "--plane")));
+    });
   }
   const PlaneFrame found = frame_of_planes(planes);
 
@@ -252,6 +257,7 @@ SeenMarker marker_in(const Image<float>& picture, const MarkerPoseFlags& flags) 
 }
 
 void find_by_marker(const MarkerPoseFlags& flags, Output& output) {
+  require_in_range(flags.side > 0, "--side", flags.side, "more than 0 mm");
   const SeenPicture seen = picture_in(flags.input, flags.changes, output);
   const Image<float>& picture = seen.pictures.mean;
   const SeenMarker marker = marker_in(picture, flags);

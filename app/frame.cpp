@@ -76,13 +76,13 @@ void put_pose(const FramePose& pose, const PoseOutputFlags& flags, Output& outpu
 
   output.document.update(json_of(pose));
 
+  // A pose that cannot be written is not printed either.
+  if (!flags.output.empty()) write_pose(flags.output, pose, notation);
+
   std::string text = text_of(pose, notation);
   text.pop_back();  // the last line break
   output.say_lines(text);
-
-  if (flags.output.empty()) return;
-  write_pose(flags.output, pose, notation);
-  output.add_file("pose", flags.output);
+  if (!flags.output.empty()) output.add_file("pose", flags.output);
 }
 
 void add_frame(const Commands& program) {

@@ -113,6 +113,8 @@ Reproduced run(const Reproducible& item, const ReproduceFlags& flags) {
 }
 
 void reproduce(const ReproduceFlags& flags, Output& output) {
+  throw_if(flags.names.empty() && !flags.list,
+           "name what to recompute, e.g. table-4.1, or all; --list prints the names");
   const std::vector<Reproducible> items = reproducibles_named(flags.names);
 
   if (flags.list) {
@@ -128,7 +130,6 @@ void reproduce(const ReproduceFlags& flags, Output& output) {
   // Only with --report: std::filesystem::absolute throws for an empty path.
   const fs::path report_folder =
       flags.report.empty() ? fs::path() : fs::absolute(flags.report).parent_path();
-  if (!flags.report.empty()) make_folder(report_folder);
 
   for (const char* kind : {"tables", "figures", "sections", "experiments"}) {
     output.document[kind] = nlohmann::json::array();

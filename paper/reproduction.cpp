@@ -57,12 +57,7 @@ std::vector<Reproducible> reproducibles_named(const std::vector<std::string>& na
   for (const std::string& name : names) {
     const bool known = std::any_of(all.begin(), all.end(),
                                    [&](const Reproducible& item) { return means(name, item); });
-    if (!known) {
-      std::vector<std::string> possible;
-      for (const Reproducible& item : all) possible.push_back(item.name());
-      throw Error(fmt::format("unknown item '{}'; choose all, or some of: {}", name,
-                              fmt::join(possible, ", ")));
-    }
+    if (!known) throw Error(fmt::format("unknown item '{}'; `list` prints all names", name));
   }
   std::erase_if(all, [&](const Reproducible& item) {
     return std::none_of(names.begin(), names.end(),

@@ -74,7 +74,7 @@ GammaChoice blind_choice(const Layout& layout, const FrameViews& frames) {
 std::string_view reason_of(BlindRefusal refusal) {
   static constexpr std::array<std::string_view, 5> reasons{
       "gamma found", "too few pixels are lit and unsaturated",
-      "ambient light, which three steps cannot distinguish from gamma", "no measurable distortion",
+      "three steps cannot distinguish gamma from ambient light", "no measurable distortion",
       "the response matches no gamma in range"};
   return reasons[static_cast<std::size_t>(refusal)];
 }

@@ -228,6 +228,7 @@ TEST_F(FrameProgram, ConvertsInvertsAndComposes) {
   write_pose(path("other.yaml"), FramePose{"tool", "part"});
   expect_refused({"frame", "compose", path("base.yaml"), path("other.yaml")}, "share none");
   expect_refused({"frame", "convert", path("base.yaml"), "--as", "euler zyx"}, "intrinsic zyx");
+  EXPECT_EQ(run_program({"frame", "convert", path("base.yaml"), "-o", path("base.txt")}).out, "");
 }
 
 TEST_F(FrameProgram, FindsAFrameFromPointsAndSaysTheResiduals) {
@@ -262,6 +263,10 @@ TEST_F(FrameProgram, FindsAFrameFromPointsAndSaysTheResiduals) {
   // In another order they are no shape that can be turned into the first.
   std::swap(picks[7], picks[10]);
   expect_refused(picks, "check their order");
+  expect_refused(picks, "the largest at pixel");
+  expect_refused({"frame", "planes", path("scan"), "--plane", "40x30+60+40", "--plane", "1x1+80+60",
+                  "--plane", "30x30+90+60"},
+                 "--plane 1x1+80+60: 1 points are too few");
 
   write_file(path("pairs.csv"), "1,2,3\n");
   expect_refused({"frame", "points", "--pairs", path("pairs.csv")}, "line 1");
@@ -320,6 +325,7 @@ TEST_F(FrameProgram, FindsTheMarkerWhereItIs) {
   expect_refused(marker("4x4", {"--number", "77"}), "no marker 77 of 4x4 is visible");
   expect_refused(marker("36h11"), "no marker of 36h11 is visible");
   expect_refused(marker("9x9"), "36h11");
+  expect_refused({"frame", "marker", scan, "--scanner", scanner, "--side", "-3"}, "--side -3");
 }
 
 TEST_F(FrameProgram, RigFileNamesThePose) {

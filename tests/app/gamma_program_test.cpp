@@ -91,8 +91,9 @@ TEST_F(GammaProgram, CorrectsBlindOrSaysWhyNot) {
   (void)out_of({"simulate", path("scan"), "--camera", "128x96", "--world", "ideal",
                 "--virtual-gamma", "2.4", "--strategy", "pmp", "--steps", "3"});
   const std::string said = out_of({"reconstruct", path("scan"), "--gamma", "blind"});
-  EXPECT_TRUE(says(said, "not corrected: ambient light")) << said;
-  EXPECT_TRUE(says(said, "warning: " + path("scan") + ": --gamma blind corrects nothing: ambient"));
+  EXPECT_TRUE(says(said, "not corrected: three steps")) << said;
+  EXPECT_TRUE(
+      says(said, "warning: " + path("scan") + ": --gamma blind corrects nothing: three steps"));
 }
 
 TEST_F(GammaProgram, SaysSoWhereFramesCannotShowIt) {
@@ -230,16 +231,17 @@ TEST_F(GammaProgram, ReproducesWithoutAnyFlag) {
 
 TEST_F(GammaProgram, ReproducesTablesAndFigures) {
   const std::string json = out_of({"reproduce", "table-4.1", "figure-4.1", "--plots", path("plots"),
-                                   "--report", path("reports/report.html"), "--json"});
+                                   "--report", path("report.html"), "--json"});
   for (const char* words : {"\"tables\"", "\"id\": \"4.1\"", "\"published\"", "\"improved\""}) {
     EXPECT_TRUE(says(json, words)) << words << " in " << json;
   }
   EXPECT_TRUE(std::filesystem::exists(path("plots/figure-4.1.png")));
-  const auto report = read_file(path("reports/report.html"));
+  const auto report = read_file(path("report.html"));
   EXPECT_TRUE(says({report.begin(), report.end()},
                    "<img alt=\"figure-4.1\" src=\"data:image/png;base64,iVBOR"));
   EXPECT_TRUE(says(out_of({"reproduce", "--list"}), "section-4.5"));
   EXPECT_TRUE(says(refusal_of({"reproduce", "table-9.9"}), "table-9.9"));
+  EXPECT_TRUE(says(refusal_of({"reproduce"}), "--list prints the names"));
 }
 
 TEST_F(GammaProgram, RefusesBadInput) {

@@ -37,11 +37,21 @@ void join(const Image<float>& x, const Image<float>& y, const Image<float>& z,
   });
 }
 
-/// From points rows x columns x 3, not finite if invalid.
+/// The array with an axis of length 1 before its others.
+ArrayOf<float> as_one_row(const ArrayOf<float>& array) {
+  return ArrayOf<float>(array[py::make_tuple(py::none(), py::ellipsis())]);
+}
+
+/// From points rows x columns x 3 or N x 3, not finite if invalid.
 std::shared_ptr<HeldCloud> cloud_from(const ArrayOf<float>& points,
-                                      const std::optional<ArrayOf<float>>& intensity) {
+                                      const std::optional<ArrayOf<float>>& intensity,
+                                      const std::optional<std::string>& frame) {
+  if (points.ndim() == 2) {
+    const bool is_list = intensity && intensity->ndim() == 1;
+    return cloud_from(as_one_row(points), is_list ? as_one_row(*intensity) : intensity, frame);
+  }
   throw_if(points.ndim() != 3 || points.shape(2) != 3,
-           "points: {}; expected rows x columns x 3, as points[None] of N x 3", shown(points));
+           "points: {}; expected rows x columns x 3, or N x 3", shown(points));
 
   const auto axis = [&](int i) {
     return image_from(ArrayOf<float>(points[py::make_tuple(py::ellipsis(), i)]));
@@ -60,6 +70,11 @@ std::shared_ptr<HeldCloud> cloud_from(const ArrayOf<float>& points,
     const bool is_point = std::isfinite(cloud.x(i, row) + cloud.y(i, row) + cloud.z(i, row));
     if (!is_point) cloud.reject(i, row, Validity::no_point);
   });
+
+  if (frame && *frame != camera_frame) {
+    require_frame_name(*frame);
+    cloud.frame = std::make_shared<const FramePose>(std::string(camera_frame), *frame);
+  }
 
   return held;
 }
@@ -339,15 +354,20 @@ void bind_cloud(py::module_& module) {
       In the camera's frame unless moved: read-only arrays, rows x columns.
 
       Args:
-          points (ArrayLike): x, y, z side by side, mm, rows x columns x 3; NaN if invalid.
+          points (ArrayLike): x, y, z side by side, mm, rows x columns x 3 or N x 3; NaN if
+              invalid.
           intensity (ArrayLike | None): texture, grey levels of 255.
+          frame (str | None): name of the points' frame, with the camera at its origin; default:
+              the camera's.
 
       Example:
           >>> slipstream.Cloud(cloud.points * [1, 1, 0.5]).size
           (160, 120)
+          >>> slipstream.Cloud([[1, 2, 3], [4, 5, 6]], frame="table")
+          <slipstream.Cloud 2x1: 2 points of 2 pixels, 3.0 to 6.0 mm>
   )");
 
-  cloud.def(py::init(&cloud_from), "points"_a, "intensity"_a = py::none());
+  cloud.def(py::init(&cloud_from), "points"_a, "intensity"_a = py::none(), "frame"_a = py::none());
   cloud.def("__len__", [](const HeldCloud& self) { return point_count(self.cloud); });
 
   bind_cloud_properties(cloud);

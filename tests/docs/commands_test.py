@@ -8,7 +8,9 @@ which a reader would.
 """
 
 import os
+import pathlib
 import re
+import resource
 import signal
 import subprocess
 import sys
@@ -26,7 +28,6 @@ NEEDS = {
     "a DLP projector": r"--dlp",
     "a second monitor": r"--monitor [1-9]",
     "a GPU": r"bench --gpu",
-    "a projector of that size": r"--projector 1824x1140",
     "several machines": r"slipstream batch (?!plan archive)",
     "photographs": r"calibrate gamma --uniform|verify artefacts",
     "downloads, or builds": r"^(apt|apt-get|npm|vcpkg|conan|\./dev|[A-Z_]+=\S* )|ctest|build/tests",
@@ -86,8 +87,11 @@ class Page:
         self.not_run = []
 
     def run(self, line):
+        used = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
         done = subprocess.run(["bash", "-euc", line], cwd=self.folder, env=self.environment,
                               capture_output=True, text=True)
+        used = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - used
+        print(f"{used:6.1f} s of processor time: {line}")
         assert done.returncode == 0, f"{self.name}: {line}\n{done.stderr}"
         return done.stdout
 
@@ -212,6 +216,7 @@ def run_page(page, folder, display):
     (folder / "build").mkdir()
     (folder / "build" / "slipstream").symlink_to(PROGRAM)
     (folder / "build" / "python3").symlink_to(sys.executable)
+    (folder / "build" / "examples").symlink_to(pathlib.Path(PROGRAM).parent / "examples")
     for name in ("bench", "tests", "tools"):
         (folder / name).symlink_to(SOURCES / name)
 

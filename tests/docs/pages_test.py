@@ -105,4 +105,4 @@ def test_cpp_compiles(tmp_path):
 
 def test_python_stands_where_it_is_run():
     pages = {block.page.name for block in BLOCKS if block.language == "python"}
-    assert pages == {"glossary.md", "index.md", "python.md"}  # tests/python/docs_test.py
+    assert pages == {"first-hour.md", "glossary.md", "index.md", "python.md"}  # tests/python/docs_test.py

@@ -44,3 +44,9 @@ def test_guide(tmp_path, monkeypatch):
     run_blocks_of("tutorials/python.md")
     for written in ["cloud.ply", "described/scan.yaml", "mesh.glb", "own.ply", "scanner.yaml"]:
         assert (tmp_path / written).exists(), written
+
+
+def test_first_hour(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    run_blocks_of("tutorials/first-hour.md")
+    assert (tmp_path / "cloud.ply").exists()

@@ -17,6 +17,7 @@
 #include "io/model_file.h"
 #include "io/pose_list.h"
 #include "merge/fused_model.h"
+#include "merge/hole_filling.h"
 #include "merge/joint_alignment.h"
 #include "merge/model_surface.h"
 #include "merge/start_poses.h"
@@ -30,7 +31,7 @@ struct MergeFlags {
   std::vector<std::string> inputs;
   std::string output, mesh, poses, report, start;
   std::string unit = "mm";
-  double spacing = 0;
+  double spacing = 0, widest_hole = 0;  ///< mm
   bool turntable = false;
   std::optional<double> turn_step;  ///< degrees
   ScanChanges changes;
@@ -300,8 +301,15 @@ std::shared_ptr<const FramePose> frame_of_model(const MergeFlags& flags) {
 }
 
 /// The surface of --mesh; throws Error if it has no triangles.
-Surface surface_of_model(const MergeFlags& flags, const FusedModel& model) {
-  Surface surface = surface_of(mesh_of(model));
+Surface surface_of_model(const MergeFlags& flags, const FusedModel& model, Output& output) {
+  ModelMesh mesh = mesh_of(model);
+  if (flags.widest_hole > 0) {
+    const int filled = fill_holes(mesh, static_cast<float>(flags.widest_hole));
+    output.say("{} holes of the mesh are filled: no view saw what is there", filled);
+    output.add("filled_holes", filled);
+  }
+
+  Surface surface = surface_of(mesh);
   throw_if(surface.triangles.empty(),
            "{}: the model's points, {:.3g} mm apart, are too few to make a mesh of", flags.mesh,
            model.spacing);
@@ -312,7 +320,7 @@ void write_outputs(const MergeFlags& flags, const JointAlignment& joint, const F
                    Output& output) {
   // The surface first: without one, nothing is written.
   Surface surface;
-  if (!flags.mesh.empty()) surface = surface_of_model(flags, model);
+  if (!flags.mesh.empty()) surface = surface_of_model(flags, model, output);
 
   if (!flags.output.empty()) {
     write_model(flags.output, model);
@@ -408,12 +416,20 @@ void add_merge(const Commands& program) {
       "poses to start from: a line for each view with its name, x y z and a quaternion, "
       "or a matrix; optional");
   command.add("--unit", flags.unit, "unit of the clouds, --start and --poses: mm, cm or m");
+  const auto zero_or_more = [](const std::string& flag, const std::string& zero) {
+    return [=](const std::string& text) {
+      const double value = std::strtod(text.c_str(), nullptr);
+      require_in_range(value >= 0, flag, value, "0 (" + zero + ") or more");
+      return std::string();
+    };
+  };
   command.add("--spacing", flags.spacing, "distance of the model's points, mm; 0: as in the views")
-      ->check([](const std::string& text) {
-        const double spacing = std::strtod(text.c_str(), nullptr);
-        require_in_range(spacing >= 0, "--spacing", spacing, "0 (as the views) or more");
-        return std::string();
-      });
+      ->check(zero_or_more("--spacing", "as the views"));
+  command
+      .add("--fill-holes", flags.widest_hole,
+           "with --mesh: fill holes up to this width, mm, with triangles that no view saw; 0: none")
+      ->check(zero_or_more("--fill-holes", "none"))
+      ->needs("--mesh");
 
   command.add("--turntable", flags.turntable,
               "the views were taken in order while the object turned about one axis: find the axis "

@@ -43,12 +43,13 @@ const Eigen::Isometry3d second_pose = before_camera(turned({0, 1, 0.3}, 20));
 TEST_F(MergeProgram, JoinsTwoCloudsToAModel) {
   const ProgramRun run = run_program(
       {"merge", shot("a.ply", relief(), first_pose), shot("bb.ply", relief(), second_pose), "-o",
-       path("model.ply"), "--mesh", path("model.stl"), "--poses", path("poses.txt"), "--report",
-       path("report.html"), "--json"});
+       path("model.ply"), "--mesh", path("model.stl"), "--fill-holes", "5", "--poses",
+       path("poses.txt"), "--report", path("report.html"), "--json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
 
   const auto document = nlohmann::json::parse(run.out);
   EXPECT_EQ(document["joined"], 2);
+  EXPECT_TRUE(document.contains("filled_holes"));
   const Eigen::Isometry3d truth = first_pose * second_pose.inverse();
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 4; ++column) {

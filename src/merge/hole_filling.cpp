@@ -1,0 +1,212 @@
+#include "merge/hole_filling.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <optional>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
+#include <vector>
+
+namespace slipstream {
+namespace {
+
+/// Indices of vertices, in the order in which triangles of the hole run through them.
+using Rim = std::vector<std::uint32_t>;
+using Triangle = std::array<std::uint32_t, 3>;
+
+/// The directed edges of a mesh: each triangle has three.
+class Edges {
+ public:
+  void add(const Triangle& corners) {
+    for (std::size_t k = 0; k < 3; ++k) edges_.insert(key(corners[k], corners[(k + 1) % 3]));
+  }
+  [[nodiscard]] bool has(std::uint32_t from, std::uint32_t to) const {
+    return edges_.contains(key(from, to));
+  }
+
+ private:
+  static std::uint64_t key(std::uint32_t from, std::uint32_t to) {
+    return std::uint64_t{from} << 32 | to;
+  }
+
+  std::unordered_set<std::uint64_t> edges_{};
+};
+
+/// A corner of the rim, between the one before it and the one after it.
+Triangle corners_at(const Rim& rim, std::size_t i) {
+  const std::size_t count = rim.size();
+  return {rim[(i + count - 1) % count], rim[i], rim[(i + 1) % count]};
+}
+
+/// Mean direction of the vertices' normals, outwards.
+Eigen::Vector3f normal_of(const std::vector<ModelPoint>& vertices, const Triangle& corners) {
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  for (const std::uint32_t corner : corners) sum += vertices[corner].normal;
+  return sum.normalized();
+}
+
+/// Angle of the hole at the second corner, 0 to 2 pi, seen against the normals.
+float angle_at(const std::vector<ModelPoint>& vertices, const Triangle& corners) {
+  const Eigen::Vector3f& here = vertices[corners[1]].position;
+  const Eigen::Vector3f in = vertices[corners[0]].position - here;
+  const Eigen::Vector3f out = vertices[corners[2]].position - here;
+
+  const float angle = std::atan2(out.cross(in).dot(normal_of(vertices, corners)), out.dot(in));
+  return angle < 0 ? angle + 2 * std::numbers::pi_v<float> : angle;
+}
+
+/// The closed ways along edges that have a triangle on one side only. A way may meet a vertex
+/// twice, where parts of the mesh touch at a point.
+std::vector<Rim> rims_of(const ModelMesh& mesh, const Edges& edges) {
+  // 1. Where these edges lead. A hole's triangles run against those beside it.
+  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> next;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> starts;
+  for (const Triangle& triangle : mesh.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t to = triangle[k], from = triangle[(k + 1) % 3];
+      if (edges.has(from, to)) continue;
+      next[from].push_back(to);
+      starts.emplace_back(from, to);
+    }
+  }
+
+  // 2. Follow them back to the first. Where several lead on, the hole lies between the way here and
+  // the first beside it. More than two triangles at an edge may end a way: that is no rim.
+  std::vector<Rim> rims;
+  for (const auto& [first, second] : starts) {
+    const bool is_known = std::ranges::count(next[first], second) == 0;
+    if (is_known) continue;
+
+    Rim rim{first, second};
+    bool is_closed = false;
+    while (!is_closed && !next[rim.back()].empty()) {
+      std::vector<std::uint32_t>& ways = next[rim.back()];
+      const auto way = std::ranges::min_element(ways, {}, [&](std::uint32_t to) {
+        return angle_at(mesh.vertices, {rim[rim.size() - 2], rim.back(), to});
+      });
+      is_closed = rim.back() == first && *way == second;
+      if (!is_closed) rim.push_back(*way);
+      ways.erase(way);
+    }
+    rim.pop_back();
+    if (is_closed) rims.push_back(std::move(rim));
+  }
+  return rims;
+}
+
+/// Fills one rim from its sharpest corners inwards.
+class RimFilling {
+ public:
+  RimFilling(const ModelMesh& mesh, const Edges& edges, Rim rim)
+      : vertices_(mesh.vertices), edges_(edges), rim_(std::move(rim)) {}
+
+  /// The triangles; nullopt if the rim cannot be filled.
+  [[nodiscard]] std::optional<std::vector<Triangle>> triangles() {
+    std::vector<Triangle> filled;
+    while (rim_.size() > 3) {
+      const auto sharpest = sharpest_corner();
+      if (!sharpest) return std::nullopt;
+      filled.push_back(corners_at(rim_, *sharpest));
+      own_edges_.add(filled.back());
+      rim_.erase(rim_.begin() + static_cast<std::ptrdiff_t>(*sharpest));
+    }
+    if (rim_.size() < 3) return std::nullopt;
+    filled.push_back(corners_at(rim_, 1));
+    return filled;
+  }
+
+ private:
+  /// The corner with the smallest angle among those over whose triangle lies no other corner of the
+  /// rim; in a rim so crooked that there is none, among all. nullopt if no third edge is free.
+  [[nodiscard]] std::optional<std::size_t> sharpest_corner() const {
+    std::optional<std::size_t> sharpest;
+    float least = 0;
+    bool is_clear = false;
+    for (std::size_t i = 0; i < rim_.size(); ++i) {
+      const Triangle corners = corners_at(rim_, i);
+      const float angle = angle_at(vertices_, corners);
+      if (sharpest && is_clear && angle >= least) continue;
+      if (!has_free_edge(corners)) continue;
+
+      const bool clear = angle < std::numbers::pi_v<float> && !lies_under_another(corners);
+      const bool is_better = !sharpest || (clear != is_clear ? clear : angle < least);
+      if (!is_better) continue;
+      sharpest = i;
+      least = angle;
+      is_clear = clear;
+    }
+    return sharpest;
+  }
+
+  /// Whether the edge between the first and the last corner is in no triangle.
+  [[nodiscard]] bool has_free_edge(const Triangle& corners) const {
+    const auto [before, here, after] = corners;
+    if (before == after) return false;
+    for (const Edges* edges : {&edges_, &own_edges_}) {
+      if (edges->has(before, after) || edges->has(after, before)) return false;
+    }
+    return true;
+  }
+
+  /// Whether another corner of the rim is over the triangle, seen against the normals.
+  [[nodiscard]] bool lies_under_another(const Triangle& corners) const {
+    const Eigen::Vector3f normal = normal_of(vertices_, corners);
+    return std::ranges::any_of(rim_, [&](std::uint32_t other) {
+      if (std::ranges::count(corners, other) != 0) return false;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Eigen::Vector3f& from = vertices_[corners[k]].position;
+        const Eigen::Vector3f& to = vertices_[corners[(k + 1) % 3]].position;
+        const Eigen::Vector3f beyond = vertices_[other].position - from;
+        if ((to - from).cross(beyond).dot(normal) <= 0) return false;
+      }
+      return true;
+    });
+  }
+
+  const std::vector<ModelPoint>& vertices_;
+  const Edges& edges_;
+  Edges own_edges_{};
+  Rim rim_;
+};
+
+float width_of(const ModelMesh& mesh, const Rim& rim) {
+  Eigen::AlignedBox3f box;
+  for (const std::uint32_t corner : rim) box.extend(mesh.vertices[corner].position);
+  return box.diagonal().norm();
+}
+
+/// Whether the rim runs around a hole, not around a piece that floats by itself.
+bool is_around_hole(const ModelMesh& mesh, const Rim& rim) {
+  float turn = 0;
+  for (std::size_t i = 0; i < rim.size(); ++i) {
+    const Triangle corners = corners_at(rim, i);
+    turn += std::numbers::pi_v<float> - angle_at(mesh.vertices, corners);
+  }
+  return turn > 0;
+}
+
+}  // namespace
+
+int fill_holes(ModelMesh& mesh, float widest) {
+  Edges edges;
+  for (const Triangle& triangle : mesh.triangles) edges.add(triangle);
+
+  int filled = 0;
+  for (const Rim& rim : rims_of(mesh, edges)) {
+    if (width_of(mesh, rim) > widest || !is_around_hole(mesh, rim)) continue;
+    const auto triangles = RimFilling(mesh, edges, rim).triangles();
+    if (!triangles) continue;
+
+    for (const Triangle& triangle : *triangles) edges.add(triangle);
+    mesh.triangles.insert(mesh.triangles.end(), triangles->begin(), triangles->end());
+    ++filled;
+  }
+  return filled;
+}
+
+}  // namespace slipstream

@@ -305,7 +305,7 @@ Surface surface_of_model(const MergeFlags& flags, const FusedModel& model, Outpu
   ModelMesh mesh = mesh_of(model);
   if (flags.widest_hole > 0) {
     const int filled = fill_holes(mesh, static_cast<float>(flags.widest_hole));
-    output.say("{} holes of the mesh are filled: no view saw what is there", filled);
+    output.say("filled {} holes of the mesh with triangles that no view saw", filled);
     output.add("filled_holes", filled);
   }
 
@@ -318,7 +318,7 @@ Surface surface_of_model(const MergeFlags& flags, const FusedModel& model, Outpu
 
 void write_outputs(const MergeFlags& flags, const JointAlignment& joint, const FusedModel& model,
                    Output& output) {
-  // The surface first: without one, nothing is written.
+  // Makes the surface first, so that nothing is written if it has no triangles.
   Surface surface;
   if (!flags.mesh.empty()) surface = surface_of_model(flags, model, output);
 

@@ -272,6 +272,10 @@ def test_commands_of_changed_pages_run(tmp_path_factory, display):
 BASE = ("printf 'from: camera\\nto: base\\nunit: mm\\ntranslation: [900, 0, 1400]\\n"
         "rotation_vector: [3.1, 0, 0]\\n' > base.yaml;")
 
+# A scanner file of the projector of the examples.
+LARGE = ("slipstream simulate s; sed 's/projector_width: .*/projector_width: 1824/;"
+         " s/projector_height: .*/projector_height: 1140/' s/scanner.yaml > large.yaml;")
+
 # What the examples of --help start from, by how they begin; the first entry that fits.
 STARTS = {
     "live --source replay": "slipstream record --source virtual --world ideal --camera 160x120"
@@ -289,9 +293,9 @@ STARTS = {
     "calibrate virtual-robot": "true",
     "calibrate verify": "slipstream simulate poses --boards 6 --corners 13x9 --spacing 10"
                         " --camera 320x240; cp poses/scanner.yaml .",
-    "calibrate geometry": "slipstream simulate poses --boards 8 --corners 13x9 --spacing 10"
-                          " --strategy dual-frequency --steps 3 --high 16 --low 1"
-                          " --projector 1824x1140",
+    "calibrate geometry": LARGE + " slipstream simulate poses --boards 8 --corners 13x9"
+                          " --spacing 10 --strategy dual-frequency --steps 3 --high 16 --low 1"
+                          " --scanner large.yaml",
     "calibrate colour scan": "slipstream simulate scan --colour --paint 0.5 --strategy"
                              " dual-frequency --steps 3",
     "calibrate points": "slipstream simulate poses --boards 6 --corners 13x9 --spacing 15"
@@ -304,8 +308,8 @@ STARTS = {
                         " slipstream simulate scan --camera 128x96; cp scan/scanner.yaml .",
     "calibrate": "for n in 1 2 3; do slipstream simulate scan_$n --scene board --strategy pmp"
                  " --steps 8 --camera 320x240 --seed $n; done",
-    "reconstruct frames": "slipstream simulate frames --strategy dual-frequency --steps 3"
-                          " --high 16 --low 1 --projector 1824x1140 --camera 320x240;"
+    "reconstruct frames": LARGE + " slipstream simulate frames --strategy dual-frequency"
+                          " --steps 3 --high 16 --low 1 --scanner large.yaml;"
                           " mv frames/scanner.yaml .; rm frames/scan.yaml",
     "reconstruct phase.tiff": "slipstream simulate scan --strategy pmp --frequency 16"
                               " --camera 320x240; cp scan/scanner.yaml .;"

@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <set>
 #include <string>
 #include <string_view>
 #include <system_error>
 #include <tuple>
+
+#include <unistd.h>
 
 #include "app/rig_rights.h"
 #include "base/numbers.h"
@@ -155,6 +159,18 @@ int clarity(const RigSetting& setting, const std::string& message) {
   return (names_flag ? 4 : 0) + (names_setting ? 2 : 0) + (names_value ? 1 : 0);
 }
 
+/// Refuses an output that is no file, or whose folder takes none, before any work.
+void require_writable(const std::string& path) {
+  const fs::path folder = output_target(path).parent_path();
+
+  // The name of a folder may be known only with the scan.
+  if (folder.string().find('{') != std::string::npos) return;
+
+  if (::access(folder.empty() ? "." : folder.c_str(), W_OK) != 0) {
+    throw WorldError(fmt::format("cannot write {}: {}", path, std::strerror(errno)));
+  }
+}
+
 }  // namespace
 
 std::string why_no_number(const std::string& text, bool is_unsigned, bool is_whole) {
@@ -210,10 +226,13 @@ void require_distinct_files(const CLI::App& command) {
       return;
     }
 
-    // Devices and pipes are refused before any work.
+    // Only names without an ending may be folders, of convert's scans. The outputs of a plan are
+    // written by other commands, maybe on other machines.
     std::error_code unknown;
-    const bool is_file = path != standard_output && !fs::is_directory(path, unknown);
-    if (is_file) static_cast<void>(output_target(path));
+    const bool may_be_folder =
+        fs::is_directory(path, unknown) && lower_case_extension(path).empty();
+    const bool is_planned = command.get_option_no_throw("--plan") != nullptr;
+    if (path != standard_output && !may_be_folder && !is_planned) require_writable(path);
     type == scanner_output_type ? files.add_scanner_output(path) : files.add_output(path);
   });
 }

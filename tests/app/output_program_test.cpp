@@ -280,11 +280,12 @@ TEST_P(OutputProgramFileFlags, RefuseAFolder) {
   fs::create_directory(target());
   expect_failed(write_to(target()), 1, "not a regular file");
   EXPECT_EQ(entries_in(target()), 0);
+  EXPECT_EQ(entries_in(folder()), 1);
 }
 
 TEST_P(OutputProgramFileFlags, RefuseAMissingFolder) {
   expect_failed(write_to(folder() / "missing" / GetParam().name), 1, "No such file or directory");
-  EXPECT_FALSE(fs::exists(folder() / "missing"));
+  EXPECT_EQ(entries_in(folder()), 0);
 }
 
 TEST_P(OutputProgramFileFlags, RefuseAFolderThatIsNotWritable) {
@@ -292,6 +293,7 @@ TEST_P(OutputProgramFileFlags, RefuseAFolderThatIsNotWritable) {
   fs::create_directory(locked);
   fs::permissions(locked, fs::perms(0555));
   expect_failed(write_to(locked / GetParam().name), 1, "Permission denied");
+  EXPECT_EQ(entries_in(folder()), 1);
 }
 
 TEST_P(OutputProgramFileFlags, MakeNoFileCalledDash) {

@@ -24,7 +24,8 @@ std::uint8_t* Picture::row(int row) {
 
 void require_readable(std::uint64_t pixels, std::size_t frames, int bits) {
   throw_if(pixels > largest_picture, "declares {} pixels; limit {}", pixels, largest_picture);
-  const std::uint64_t bytes = pixels * static_cast<std::uint64_t>(bits / 8);
+  // Frames of 32-bit real numbers are kept in 64 bits.
+  const std::uint64_t bytes = pixels * static_cast<std::uint64_t>(bits == 32 ? 8 : bits / 8);
   require_scan_fits(frames, std::max<std::uint64_t>(bytes, 1));
 }
 

@@ -13,6 +13,18 @@
 
 namespace slipstream::fit_test {
 
+TEST(Fit, AllowsTheSlopesOfSlantedSurfacesAndTheirDoubt) {
+  const auto fits = [](double slope, double doubt) {
+    const Fit fit{.geometry = GeometryEvidence{.slope = slope, .slope_doubt = doubt}};
+    return fit.geometry_fits();
+  };
+  EXPECT_TRUE(fits(1, 0));
+  EXPECT_FALSE(fits(0.2, 0));
+  EXPECT_TRUE(fits(0.2, 0.2));
+  EXPECT_FALSE(fits(4, 0));
+  EXPECT_TRUE(fits(4, 1.5));
+}
+
 /// A scan by a code alone.
 Scan code_scan(const char* scene, const char* reference, int bits) {
   return scene_scan(scene, make_strategy("gray", {{"bits", bits}, {"reference", reference}}));

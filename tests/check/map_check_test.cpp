@@ -223,6 +223,26 @@ TEST(MapCheck, LeavesOutValuesOfInvalidPixels) {
   }
 }
 
+// Each column has a value of its own, and four more columns share one of these.
+TEST(MapCheck, LeavesOutTheLeastAndTheLargestValueSooner) {
+  for (const auto& [value, found] : {std::pair(0, 1U), std::pair(50, 0U), std::pair(99, 1U)}) {
+    Image<double> map({104, 10});
+    for_each_pixel_in_order(
+        map.size(), [&](int column, int row) { map(column, row) = column < 100 ? column : value; });
+    EXPECT_EQ(leave_out_shared_values(map).size(), found) << value;
+  }
+}
+
+TEST(MapCheck, LightEndsNowhereIfItGoesOnBeyond) {
+  for (const int next : {60, 100}) {  // the first column that is valid again
+    Image<double> map({100, 60});
+    for_each_pixel_in_order(map.size(), [&](int column, int row) {
+      map(column, row) = column < 50 || column >= next ? 0.01 * column : nan;
+    });
+    EXPECT_EQ(map_evidence(map).high.has_value(), next == 100) << next;
+  }
+}
+
 TEST(MapCheck, KeepsTheOnlyValueOfAMap) {
   Image<double> map({16, 16}, 3.0);
   EXPECT_TRUE(leave_out_shared_values(map).empty());

@@ -14,58 +14,21 @@
 #include "check/code_evidence.h"
 #include "check/colour_mosaic.h"
 #include "check/damaged_frames.h"
+#include "check/dark_frames.h"
+#include "check/explanations.h"
 #include "check/fit.h"
 #include "check/frame_faults.h"
 #include "check/method_limits.h"
+#include "check/mistake_search.h"
 #include "check/phase_noise.h"
 #include "check/unrelated_pixels.h"
 #include "check/waveform.h"
 #include "check/wrapped_levels.h"
+#include "slipstream/named_scenes.h"
 #include "slipstream/strategy.h"
+#include "tests/check/synthetic_scan.h"
 
 namespace slipstream::synthetic_frames_test {
-
-constexpr Size size{320, 240};
-
-/// The level of frame n at a pixel.
-using Level = std::function<double(int n, int column, int row)>;
-
-/// A scan whose camera pixels see one projector pixel each, read as that strategy.
-struct SyntheticScan {
-  SyntheticScan(const Strategy& strategy, const Level& level, int bits = 8, double least_range = 22,
-                std::optional<MeasuredResponse> response = {})
-      : sequence{.strategy = strategy, .projector = size},
-        photometry{.noise_variance = 1.0 / 12, .response = response} {
-    std::vector<Image<std::uint16_t>> pictures;
-    for (int n = 0; n < samples.frames(); ++n) {
-      Image<std::uint16_t>& picture = pictures.emplace_back(size);
-      for_each_pixel_in_order(size, [&](int column, int row) {
-        picture(column, row) = static_cast<std::uint16_t>(std::lround(level(n, column, row)));
-      });
-    }
-    samples.take(FrameSet(std::move(pictures), bits), {.least_range = least_range});
-  }
-
-  [[nodiscard]] JudgedScan judged() const {
-    return {model, samples, sequence, nullptr, photometry, settings};
-  }
-
-  Sequence sequence;
-  PhotometricCalibration photometry;  ///< with the noise of rounding
-  CheckSettings settings{};
-  FrameModel model{sequence, photometry};
-  ScanSamples samples{size, model.layout().frames};
-};
-
-/// The column as a coordinate.
-double along(double column) {
-  return column / size.width;
-}
-
-/// Frames of a strategy along x, from `dark` to `dark` + `range`.
-Level shown(const Strategy& strategy, double dark, double range) {
-  return [=](int n, int column, int) { return dark + range * strategy.shape(n, along(column)); };
-}
 
 const Strategy sinusoids = make_strategy("dual-frequency", {{"steps", 4}});
 
@@ -156,6 +119,28 @@ TEST(SyntheticFrames, OfAColourMosaicGiveTheRatioOfItsGains) {
   const std::optional<Finding> mosaic = colour_mosaic(scan.samples);
   ASSERT_TRUE(mosaic);
   EXPECT_NEAR(mosaic->evidence.front().value, 2, 0.02);
+}
+
+// Few pixels of other brightness each: their median ratio is 1.1 by chance.
+TEST(SyntheticFrames, OfUnlikePixelsHaveNoMosaic) {
+  std::mt19937 random(8);
+  Image<double> ranges(size);
+  for (double& range : ranges) range = 20 + static_cast<double>(random() % 180);
+  const SyntheticScan scan(
+      make_strategy("pmp", {{"steps", 3}}),
+      [&](int n, int column, int row) {
+        return column < 4 && n == 0 ? 20 + ranges(column, row) : 20;
+      },
+      8, 15);
+  EXPECT_FALSE(colour_mosaic(scan.samples));
+}
+
+// All pixels see the first 16th of the field, where four of five bits are dark.
+TEST(SyntheticFrames, OfADarkPartOfTheFieldAreNotCalledBlack) {
+  const Strategy code = make_strategy("gray", {{"bits", 5}});
+  const SyntheticScan scan(
+      code, [&](int n, int column, int) { return 20 + 200 * code.shape(n, along(column) / 16); });
+  EXPECT_TRUE(dark_frames(scan.judged()).empty());
 }
 
 // A gamma widens the dark part of a sinusoid, and leaves its edges soft.
@@ -266,14 +251,55 @@ TEST(SyntheticFrames, OfCoarseProjectorPixelsAreNotNoisy) {
   }
 }
 
-// Blurred stripes: odd harmonics k with the factors s^((k^2 - 1) / 8) / k.
-TEST(SyntheticFrames, OfStripesTellTheErrorOfTheirPhase) {
-  const Strategy strategy = make_strategy("dual-frequency", {{"steps", 6}});
-  const SyntheticScan scan(strategy, [&](int n, int column, int) {
+// A gamma of 1.4 is 1.28 to first order. In a 64th of the field it looks like ambient light.
+TEST(SyntheticFrames, TellTheirGammaOrThatItIsUnproven) {
+  const Strategy strategy = make_strategy("pmp", {{"steps", 3}});
+  const auto finding_of = [&](double gamma, double part) {
+    const SyntheticScan scan(strategy, [&](int n, int column, int) {
+      return 5 + 230 * std::pow(strategy.shape(n, 0.1 + part * along(column)), gamma);
+    });
+    return method_limits(scan.judged(), {}).at(0);
+  };
+  const Finding bent = finding_of(1.4, 1);
+  EXPECT_EQ(bent.kind, FindingKind::nonlinear_light) << text_of(bent);
+  EXPECT_NEAR(bent.evidence.front().value, 1.28, 0.03);
+  EXPECT_EQ(finding_of(1, 1.0 / 64).kind, FindingKind::unproven_response);
+}
+
+// Depth moves stripes of either axis away from the epipole, if that lies in the field.
+TEST(SyntheticFrames, RunAlongABaselineThatMovesTheOtherAxis) {
+  const SyntheticScan scan(sinusoids, shown(sinusoids, 20, 200));
+  const auto warns = [&](const Eigen::Vector3d& baseline) {
+    Scanner scanner = example_scanner(size);
+    scanner.translation = baseline;
+    const Fit fit{.geometry = GeometryEvidence{.median_depth = 600}};
+    return !method_limits(scan.judged(&scanner), fit).empty();
+  };
+  EXPECT_FALSE(warns({150, 0, 0}));
+  EXPECT_TRUE(warns({0, 150, 0}));
+  EXPECT_FALSE(warns({20, 20, 150}));
+}
+
+// Rounding alone then leaves another coordinate that fits almost as well.
+TEST(SyntheticFrames, OfAFewGreyLevelsAreNoDoubt) {
+  const Strategy micro = make_strategy("micro", {});
+  const SyntheticScan scan(micro, shown(micro, 50, 3), 8, 1);
+  FrameJudge judge(scan.model);
+  EXPECT_EQ(judge(scan.samples, scan.model.identity()).doubt, 0);
+}
+
+/// Blurred stripes: odd harmonics k with the factors s^((k^2 - 1) / 8) / k.
+Level stripes(const Strategy& strategy, double s) {
+  return [=](int n, int column, int) {
     const double c = 2 * strategy.shape(n, along(column)) - 1;
     const double third = 4 * c * c * c - 3 * c, fifth = c * (16 * std::pow(c, 4) - 20 * c * c + 5);
-    return 120 + 100 * (c - 0.6 / 3 * third + std::pow(0.6, 3) / 5 * fifth);
-  });
+    return 120 + 100 * (c - s / 3 * third + std::pow(s, 3) / 5 * fifth);
+  };
+}
+
+TEST(SyntheticFrames, OfStripesTellTheErrorOfTheirPhase) {
+  const Strategy strategy = make_strategy("dual-frequency", {{"steps", 6}});
+  const SyntheticScan scan(strategy, stripes(strategy, 0.6));
   const auto waveform = waveform_of(scan.model, scan.judged(), scan.model.identity());
   ASSERT_TRUE(waveform);
 
@@ -288,6 +314,16 @@ TEST(SyntheticFrames, OfStripesTellTheErrorOfTheirPhase) {
   }
   const double error = std::sqrt(square / static_cast<double>(scan.samples.groups()));
   EXPECT_NEAR(waveform->phase_error, error, 0.25 * error);  // to first order
+}
+
+// Their fifth harmonic bends the phase of four periods by more than the noise of rounding.
+TEST(SyntheticFrames, OfSharpStripesAreCalledOneBitPatterns) {
+  const Strategy strategy = make_strategy("dual-frequency", {{"steps", 6}, {"high", 4}});
+  const SyntheticScan scan(strategy, stripes(strategy, 0.8));
+  const auto findings = explain(scan.judged(), fit_of(scan.judged())).findings;
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings.front().severity, Severity::doubtful);
+  EXPECT_EQ(std::ranges::count(findings.front().causes, CauseKind::noise, &Cause::kind), 1);
 }
 
 // Levels that wrap around change all the same way.

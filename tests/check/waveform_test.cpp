@@ -29,6 +29,11 @@ std::optional<Waveform> found_in(const Scan& scan) {
       model.identity());
 }
 
+TEST(Waveform, ExplainsAResidualIfItLeavesAThird) {
+  EXPECT_TRUE(Waveform{.residual = 0.3}.explains(1));
+  EXPECT_FALSE(Waveform{.residual = 0.5}.explains(1));
+}
+
 // ((1 + cos a) / 2)^gamma has a second harmonic of (gamma - 1) / (gamma + 2) of the first.
 TEST(Waveform, OfAPowerHasItsHarmonics) {
   for (const double gamma : {0.7, 1.6, 2.2, 3.0}) {

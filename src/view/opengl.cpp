@@ -344,6 +344,9 @@ Window::Window(const WindowSystem& /*system*/, const WindowSettings& settings)
     size = {mode->width, mode->height};
     glfwWindowHint(GLFW_REFRESH_RATE, mode->refreshRate);
     glfwWindowHint(GLFW_AUTO_ICONIFY, GLFW_FALSE);
+  } else if (settings.visible) {
+    // As much larger as the desktop's text.
+    glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
   }
 
   // 3. Open the window.

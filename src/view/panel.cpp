@@ -171,7 +171,7 @@ void draw_steps(PanelRequests& requests, const ViewSource& source) {
       std::array<char, 1024> text{};
       choice.value.copy(text.data(), text.size() - 1);
       push_tab_stop(true);
-      ImGui::InputText(label.c_str(), text.data(), text.size());
+      ImGui::InputTextWithHint(label.c_str(), choice.help.c_str(), text.data(), text.size());
       pop_tab_stop();
       choice.value = text.data();
     } else if (ImGui::BeginCombo(label.c_str(), choice.value.c_str())) {
@@ -181,7 +181,9 @@ void draw_steps(PanelRequests& requests, const ViewSource& source) {
       ImGui::EndCombo();
     }
 
-    tell_help(choice.help.c_str());
+    // A long value is cut off in its field.
+    const bool may_be_cut = !choice.value.empty();
+    tell_help((may_be_cut ? choice.value + "\n" + choice.help : choice.help).c_str());
   }
 
   // The buttons, side by side.

@@ -11,6 +11,7 @@
 #include "app/calibrate_boards.h"
 #include "app/commands.h"
 #include "app/hand_eye.h"
+#include "app/report_facts.h"
 #include "app/scan_flags.h"
 #include "base/numbers.h"
 #include "calibrate/hand_eye_boards.h"
@@ -163,7 +164,11 @@ void calibrate_robot(const HandEyeFlags& flags, Output& output) {
 
   if (flags.report) {
     const fs::path folder = *flags.report;
-    write_page(folder / "report.html", hand_eye_report(found, &with_flags));
+    Page page = hand_eye_report(found, &with_flags);
+    page.heading("Run");
+    page.facts(facts_of_run(output));
+    write_page(folder / "report.html", page);
+
     // JSON is YAML, too.
     write_file(
         folder / "residuals.yaml",

@@ -7,6 +7,7 @@
 #include <tbb/global_control.h>
 
 #include "app/commands.h"
+#include "app/report_facts.h"
 #include "bench/bench_report.h"
 #include "bench/bench_rows.h"
 #include "io/file.h"
@@ -157,6 +158,8 @@ void reproduce(const ReproduceFlags& flags, Output& output) {
 
   progress.finish();
   if (!flags.report.empty()) {
+    report.heading("Run");
+    report.facts(facts_of_run(output));
     write_page(flags.report, report);
     output.say("report: {}", flags.report);
   }

@@ -15,6 +15,7 @@
 #include "app/process.h"
 #include "app/reconstructed_scan.h"
 #include "base/parallel_rows.h"
+#include "base/statistics.h"
 #include "base/stopwatch.h"
 #include "decode/frame_motion.h"
 #include "geometry/map_form.h"
@@ -164,6 +165,16 @@ void require_possible(const ReconstructFlags& flags, const LoadedScan& loaded, b
            "--reflection-map needs --reflection or --local-reflection");
 }
 
+/// Median of every n-th depth, 40,000 of all pixels, mm; 0 without a point.
+double median_depth(const Image<float>& z) {
+  const std::size_t step = z.pixel_count() / 40'000 + 1;
+  std::vector<double> depths;
+  for (std::size_t i = 0; i < z.pixel_count(); i += step) {
+    if (std::isfinite(z.begin()[i])) depths.push_back(z.begin()[i]);
+  }
+  return depths.empty() ? 0 : median(std::move(depths));
+}
+
 void reconstruct_scan(LoadedScan& loaded, const ReconstructFlags& flags, Reused& reused) {
   const CheckedJob& checked = loaded.job;
   ReconstructedScan& scan = loaded.scan;
@@ -177,6 +188,12 @@ void reconstruct_scan(LoadedScan& loaded, const ReconstructFlags& flags, Reused&
   ScanJob& job = reused.job_of(scan.output, flags);
   scan.result = job(checked, name);
   const ScanResult& result = scan.result;
+
+  // The check knows it of far fewer pixels.
+  if (const double depth = median_depth(result.cloud.z); depth > 0) {
+    scan.result.checked.median_depth = depth;
+  }
+
   const double minimum = flags.job.reconstruct.minimum_modulation;
   if (result.least_modulation > minimum) {
     output.say(

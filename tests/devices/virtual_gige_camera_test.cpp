@@ -43,14 +43,11 @@ std::vector<Frame> frames_of_scan(const Scanner& scanner, const Strategy& strate
   std::vector<Frame> frames;
   set.visit([&](const auto& views) {
     for (const auto& view : views) {
-      Frame frame({set.size(), 8});
+      Frame& frame = frames.emplace_back(FrameFormat{set.size(), 8});
       auto& image = std::get<Image<std::uint8_t>>(frame.pixels);
-      for (int row = 0; row < view.height(); ++row) {
-        for (int column = 0; column < view.width(); ++column) {
-          image(column, row) = static_cast<std::uint8_t>(view(column, row));
-        }
-      }
-      frames.push_back(frame);
+      for_each_pixel_in_order(set.size(), [&](int column, int row) {
+        image(column, row) = static_cast<std::uint8_t>(view(column, row));
+      });
     }
   });
   return frames;
@@ -405,15 +402,12 @@ TEST(VirtualGigeCamera, StalledConsumerLosesFramesAndGoesOn) {
 TEST(VirtualGigeCamera, IsListed) {
   const auto camera = serve(some_frames(1, {160, 120}), "LISTED");
   REQUIRE_CAMERA(camera);
-  for (const CameraDescription& found : list_cameras()) {
-    if (found.serial == "LISTED") {
-      EXPECT_EQ(found.name, "aravis:Aravis-Fake-LISTED");
-      EXPECT_EQ(found.address, served_address);
-      EXPECT_NO_THROW(open_camera(found.name, {}));
-      return;
-    }
-  }
-  ADD_FAILURE() << "not found";
+  const std::vector<CameraDescription> cameras = list_cameras();
+  const auto found = std::ranges::find(cameras, "LISTED", &CameraDescription::serial);
+  ASSERT_NE(found, cameras.end());
+  EXPECT_EQ(found->name, "aravis:Aravis-Fake-LISTED");
+  EXPECT_EQ(found->address, served_address);
+  EXPECT_NO_THROW(open_camera(found->name, {}));
 }
 
 TEST(VirtualGigeCamera, SecondOneAtAnAddressIsRefused) {

@@ -210,6 +210,9 @@ void serve(const LiveFlags& given, Output& output) {
   const ReadAgain read_again = given.command->read_again;
   ServedRig now = served(*given.command);
 
+  // Remembers a signal between two runs too.
+  const RunEnd end(std::nullopt);
+
   // A service keeps running with what worked before.
   const auto refuse = [&](const std::exception& error) {
     output.warn(fmt::format("{}; continuing with the old settings", error.what()));

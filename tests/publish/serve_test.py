@@ -226,13 +226,14 @@ def test_sighup_never_ends_it(tmp_path):
         assert service.process.wait(PATIENCE) == 0, service.words.read_text()
 
 
+@pytest.mark.parametrize("end", [signal.SIGTERM, signal.SIGINT])
 @pytest.mark.parametrize("pause", [0, 0.03, 0.1, 0.3])
-def test_sigterm_during_a_reload_ends_it(tmp_path, pause):
+def test_a_signal_during_a_reload_ends_it_in_order(tmp_path, pause, end):
     with Service(tmp_path, VIRTUAL + "publish: web:0\n").wait_until_ready() as service:
         service.hang_up()
         time.sleep(pause)
-        service.process.send_signal(signal.SIGTERM)
-        assert service.process.wait(PATIENCE) in (0, -signal.SIGTERM), service.words.read_text()
+        service.process.send_signal(end)
+        assert service.process.wait(PATIENCE) == 0, service.words.read_text()
 
 
 def test_what_was_written_before_a_reload_or_a_restart_stays(tmp_path):

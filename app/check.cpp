@@ -184,6 +184,7 @@ void measure(const MeasureFlags& flags, Output& output) {
 
   // A cloud file is measured as it is; a scan is reconstructed first.
   output.document["input"] = flags.path;
+  output.tell_wait(flags.path + ": reading");
   StoredCloud stored = is_cloud_file(flags.path)
                            ? loaded_cloud(flags.path, output)
                            : organised_cloud(flags.path, flags.changes, flags.job, output);

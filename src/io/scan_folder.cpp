@@ -337,7 +337,7 @@ std::vector<int> order_from(const std::string& text, const Sequence& sequence) {
     const std::vector<int> ends = numbers_in<int>(take_until(rest, ','), '-');
     const bool is_range =
         (ends.size() == 1 || ends.size() == 2) && ends.front() <= ends.back() && ends.back() < most;
-    throw_if(!is_range,
+    throw_if(!is_range || text.ends_with(','),
              "`order` '{}': expected numbers or ranges with commas between, e.g. 2,0,1 or 0-17, or "
              "sinusoids,code or code,sinusoids",
              text);

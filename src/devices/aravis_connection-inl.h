@@ -22,6 +22,7 @@
 
 #include "base/numbers.h"
 #include "base/system_failure.h"
+#include "base/thread_priority.h"
 #include "base/throw_if-inl.h"
 #include "devices/gige_sockets.h"
 #include "slipstream/camera.h"
@@ -406,6 +407,7 @@ class AravisConnection {
     using std::chrono_literals::operator""ms;
     constexpr std::uint64_t heartbeat_timeout = 0x938;  // defined by the standard
     ArvDevice* const device = arv_camera_get_device(camera_.get());
+    go_when_woken();  // while others compute: a late write lets another client take the camera
 
     // The register is written with the value that it has; 0 if it cannot be read.
     std::uint32_t timeout = 0;

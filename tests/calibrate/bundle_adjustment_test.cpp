@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrate/board_view.h"
+#include "calibrate/corner_errors.h"
 #include "calibrate/first_guess.h"
 #include "calibrate/reprojection.h"
 #include "slipstream/calibration_board.h"
@@ -80,6 +81,15 @@ TEST(BundleAdjustment, OneWrongCornerInAHundredHardlyMatters) {
   const BundleState robust = bundle_adjusted(boards.views, start, places, {});
   EXPECT_NEAR(robust.scanner.camera.intrinsic(0, 0), clean.scanner.camera.intrinsic(0, 0), 0.2);
   EXPECT_NEAR(robust.scanner.translation.norm(), clean.scanner.translation.norm(), 0.05);
+}
+
+TEST(BundleAdjustment, ErrorsOfThePrintAreInStandardDeviations) {
+  const PrintError error({1, 2, 3}, 0.5);
+  const Eigen::Vector3d place(1, 2, 4);
+  const double* const at = place.data();
+  Eigen::Vector3d residual;
+  ASSERT_TRUE(error.Evaluate(&at, residual.data(), nullptr));
+  EXPECT_TRUE(residual.isApprox(Eigen::Vector3d(0, 0, 2)));
 }
 
 TEST(BundleAdjustment, FindsWhereABoardIsPrintedWrongly) {

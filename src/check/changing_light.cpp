@@ -18,6 +18,21 @@ namespace {
 
 /// Inverse gains: frame n without the change is (1 - gains[n]) I_n. The mean is 0.
 struct FrameGains {
+  /// Adds the equations of other pixels.
+  void add(const FrameGains& more) {
+    normal += more.normal;
+    right += more.right;
+    all += more.all;
+    variation += more.variation;
+  }
+
+  /// A common gain is unobservable: fixes the mean at 0.
+  void solve() {
+    const Eigen::Index count = right.size();
+    const double held = normal.trace() / static_cast<double>(std::max<Eigen::Index>(1, count));
+    gains = (normal + Eigen::MatrixXd::Constant(count, count, held)).ldlt().solve(right);
+  }
+
   /// The part of `all` that `others`, gains from other pixels, explain.
   [[nodiscard]] double explained_by(const Eigen::VectorXd& others) const {
     return others.dot(2 * right - normal * others);
@@ -28,9 +43,9 @@ struct FrameGains {
   }
 
   std::vector<int> frames{};  ///< of each gain
-  Eigen::VectorXd gains;
-  Eigen::MatrixXd normal;  ///< normal * gains = right, with residual `all`
-  Eigen::VectorXd right;
+  Eigen::VectorXd gains{};
+  Eigen::MatrixXd normal{};  ///< normal * gains = right, with residual `all`
+  Eigen::VectorXd right{};
   double all = 0, variation = 0;
 };
 
@@ -116,18 +131,26 @@ void read_residual(const FrameModel& model, const float* levels, const std::vect
   }
 }
 
-/// The gains from every other group, from `first` (0 or 1) on.
-FrameGains frame_gains(const FrameModel& model, const ScanSamples& samples, std::size_t first) {
+/// Strips of the picture, one below the other: under flickering light a rolling shutter gives each
+/// its own gains.
+constexpr int strips = 8;
+
+int strip_of(double down) {
+  return static_cast<int>(down * strips);
+}
+
+/// The gains of each strip from every other group, from `first` (0 or 1) on.
+std::vector<FrameGains> strip_gains(const FrameModel& model, const ScanSamples& samples,
+                                    std::size_t first) {
   // Fields: pixels farther apart lie beside an edge, or have another fringe order.
   constexpr double most_apart = 0.03;
 
   const bool by_place = is_compared_by_place(model);
   const std::vector<int> frames = compared_frames(model, by_place);
   const auto count = static_cast<Eigen::Index>(frames.size());
-
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(count, count);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
-  double all = 0, variation = 0;
+  std::vector<FrameGains> found(strips, {.frames = frames,
+                                         .normal = Eigen::MatrixXd::Zero(count, count),
+                                         .right = Eigen::VectorXd::Zero(count)});
 
   SampleReading reading;
   PixelResidual a, b;
@@ -142,18 +165,23 @@ FrameGains frame_gains(const FrameModel& model, const ScanSamples& samples, std:
     read_residual(model, samples.levels(g, ScanSamples::right), frames, reading, b);
     if (by_place && std::abs(a.coordinate - b.coordinate) > most_apart) continue;
 
-    normal += a.by_gains.transpose() * b.by_gains + b.by_gains.transpose() * a.by_gains;
-    right += a.by_gains.transpose() * b.left + b.by_gains.transpose() * a.left;
-    all += 2 * a.left.dot(b.left);
-    variation += 2 * samples.variation(levels);
+    found[strip_of(samples.down(g))].add(
+        {.normal = a.by_gains.transpose() * b.by_gains + b.by_gains.transpose() * a.by_gains,
+         .right = a.by_gains.transpose() * b.left + b.by_gains.transpose() * a.left,
+         .all = 2 * a.left.dot(b.left),
+         .variation = 2 * samples.variation(levels)});
   }
 
-  // A common gain is unobservable: fix the mean at 0.
-  const double held = normal.trace() / static_cast<double>(std::max<Eigen::Index>(1, count));
-  const Eigen::VectorXd gains =
-      (normal + Eigen::MatrixXd::Constant(count, count, held)).ldlt().solve(right);
+  for (FrameGains& strip : found) strip.solve();
+  return found;
+}
 
-  return {frames, gains, normal, right, all, variation};
+/// The gains of the whole picture.
+FrameGains joined(const std::vector<FrameGains>& parts) {
+  FrameGains whole = parts.front();
+  for (std::size_t i = 1; i < parts.size(); ++i) whole.add(parts[i]);
+  whole.solve();
+  return whole;
 }
 
 /// Whether the frames of a code have one gain, and the others another, as if the response were not
@@ -223,14 +251,28 @@ std::vector<FrameGain> relative_gains(const FrameGains& gains, const FrameGains&
 
   const double usual = quantile(all, 0.5);
   for (FrameGain& of : relative) of.gain = of.gain / usual - 1;
+
+  // The standard error, from the two halves of the pixels: gains near it are noise.
+  const double error = (gains.gains - others.gains).norm() / (2 * std::sqrt(gains.gains.size()));
+  double largest = 0;
+  for (const FrameGain& of : relative) largest = std::max(largest, std::abs(of.gain));
+  if (!(largest >= 4 * error)) {
+    for (FrameGain& of : relative) of.gain = 0;
+  }
   return relative;
 }
 
+/// The gains of all frames, in each part of the picture.
+using PartGains = std::vector<std::vector<FrameGain>>;
+
 /// The misfit of the scan without these gains; infinite if it does not fit.
-double misfit_without(const JudgedScan& scan, const std::vector<FrameGain>& gains) {
+double misfit_without(const JudgedScan& scan, const PartGains& parts) {
   ScanSamples samples = scan.samples;
-  samples.change([&](float* I, double) {
-    for (const auto& [frame, gain] : gains) I[frame] /= static_cast<float>(1 + gain);
+  samples.change([&](float* I, double down) {
+    for (const auto& [frame, gain] :
+         parts[static_cast<std::size_t>(down * static_cast<double>(parts.size()))]) {
+      I[frame] /= static_cast<float>(1 + gain);
+    }
   });
 
   const Fit fit =
@@ -238,48 +280,58 @@ double misfit_without(const JudgedScan& scan, const std::vector<FrameGain>& gain
   return fit.all() ? fit.misfit() : std::numeric_limits<double>::infinity();
 }
 
-/// Light that changed by more than frames that redundancy compares allow.
-std::optional<ChangedLight> by_redundancy(const JudgedScan& scan, const Fit& fit) {
+/// Of each frame its largest gain.
+std::vector<FrameGain> largest_gains(const PartGains& parts) {
+  std::vector<FrameGain> largest = parts.front();
+  for (const std::vector<FrameGain>& part : parts) {
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      if (std::abs(part[i].gain) > std::abs(largest[i].gain)) largest[i] = part[i];
+    }
+  }
+  return largest;
+}
+
+/// Light that changed by more than frames that redundancy compares allow, in parts of the picture:
+/// by the gains of one half of its pixels, and those of the other.
+std::optional<ChangedLight> by_gains(const JudgedScan& scan, const std::vector<FrameGains>& gains,
+                                     const std::vector<FrameGains>& others) {
   // Correct scans sometimes leave more (a real skull: 0.0085), but gains explain at most 0.62 of
   // it, at half a percent. At their places frames are compared less exactly.
-  constexpr double least_residual = 0.003, least_gain = 0.025;
-  const bool by_place = is_compared_by_place(scan.model);
-  const double least_explained = by_place ? 0.6 : 0.7;
+  constexpr double least_gain = 0.025;
+  const double least_explained = is_compared_by_place(scan.model) ? 0.6 : 0.7;
 
   // Other faults look like larger gains, but these do not explain all of them.
   constexpr double large_gain = 0.3, all_explained = 0.95;
-  if (!by_place && fit.frames.residual < least_residual) return std::nullopt;
 
   // Noise may look like gains: those of one half of the pixels must explain the other half.
-  const FrameGains gains = frame_gains(scan.model, scan.samples, 0);
-  const FrameGains others = frame_gains(scan.model, scan.samples, 1);
-  if (gains.frames.empty() || gains.residual() < least_residual) return std::nullopt;
-
-  // The largest gain, its standard error from the two halves, and the share they explain.
-  std::vector<FrameGain> relative = relative_gains(gains, others);
-  double size = 0;
-  for (const FrameGain& of : relative) size = std::max(size, std::abs(of.gain));
-
-  const double error = (gains.gains - others.gains).norm() / (2 * std::sqrt(gains.gains.size()));
-  const double explained = (gains.explained_by(others.gains) + others.explained_by(gains.gains)) /
-                           (gains.all + others.all);
-  if (!(explained >= least_explained && size >= least_gain && size >= 4 * error)) {
-    return std::nullopt;
+  PartGains relative;
+  double explained = 0, all = 0;
+  for (std::size_t i = 0; i < gains.size(); ++i) {
+    relative.push_back(relative_gains(gains[i], others[i]));
+    explained += gains[i].explained_by(others[i].gains) + others[i].explained_by(gains[i].gains);
+    all += gains[i].all + others[i].all;
   }
 
-  const auto odd = odd_frame(gains);
+  std::vector<FrameGain> largest = largest_gains(relative);
+  double size = 0;
+  for (const FrameGain& of : largest) size = std::max(size, std::abs(of.gain));
+  if (!(explained >= least_explained * all && size >= least_gain)) return std::nullopt;
+
+  const bool whole = gains.size() == 1;
+  const auto odd = whole ? odd_frame(gains.front()) : std::nullopt;
   // Motion may resemble flicker, but rarely of a single frame.
   if (scan.settings.moving && !odd) return std::nullopt;
 
   const double misfit = misfit_without(scan, relative);
-  if (size > large_gain && (explained < all_explained || !std::isfinite(misfit))) {
+  if (size > large_gain && (explained < all_explained * all || !std::isfinite(misfit))) {
     return std::nullopt;
   }
 
-  if (odd && std::abs(odd->gain) > least_gain) relative = {*odd};
-  ChangedLight changed{misfit, finding_of(relative, least_gain)};
+  if (odd && std::abs(odd->gain) > least_gain) largest = {*odd};
+  ChangedLight changed{misfit, finding_of(largest, least_gain)};
   if (size > large_gain) changed.finding.severity = Severity::wrong;
-  if (!scan.photometry.response && parts_code(gains, scan.model.layout().code)) {
+  if (!whole) changed.finding.what += " in some of their rows";
+  if (whole && !scan.photometry.response && parts_code(gains.front(), scan.model.layout().code)) {
     Finding& finding = changed.finding;
     finding.causes.insert(finding.causes.begin(),
                           {CauseKind::gamma, "the projector's gamma, if it is not 1"});
@@ -323,7 +375,18 @@ std::optional<ChangedLight> changed_light(const JudgedScan& scan, const Fit& fit
   // Brightness that changes between frames moves no bit that is compared with its inverse.
   if (fit.code.bits_are_sure()) return std::nullopt;
 
-  return by_redundancy(scan, fit);
+  constexpr double least_residual = 0.003;
+  if (!is_compared_by_place(scan.model) && fit.frames.residual < least_residual) {
+    return std::nullopt;
+  }
+
+  const std::vector<FrameGains> gains = strip_gains(scan.model, scan.samples, 0);
+  const std::vector<FrameGains> others = strip_gains(scan.model, scan.samples, 1);
+  const FrameGains whole = joined(gains);
+  if (whole.frames.empty() || whole.residual() < least_residual) return std::nullopt;
+
+  auto changed = by_gains(scan, {whole}, {joined(others)});
+  return changed ? changed : by_gains(scan, gains, others);
 }
 
 std::optional<Finding> changed_light_of_code(const JudgedScan& scan) {

@@ -24,6 +24,7 @@ constexpr double least_share = 0.015;  // of the pattern before, in each frame
 struct Mixture {
   std::vector<StepRun> runs;   ///< before the first frame of each is its last
   bool stands = false;         ///< unless the first pattern was shown long before
+  bool after = false;          ///< the other way round: a share of the pattern after
   double top = 0, bottom = 0;  ///< s in the first and last row: a rolling shutter exposes in turns
 
   [[nodiscard]] double mean() const { return (top + bottom) / 2; }
@@ -34,6 +35,7 @@ struct Mixture {
 
     for (const StepRun& run : runs) {
       float* const frames = I + run.first;
+      if (after) std::reverse(frames, frames + run.steps);
       double P = 0;  // of the last frame, by substitution for all before it
       for (int n = 0; n < run.steps; ++n) P = frames[n] - r * P;
 
@@ -45,6 +47,8 @@ struct Mixture {
         P = (frames[n] - s * P) / (1 - s);
         frames[n] = static_cast<float>(P);
       }
+
+      if (after) std::reverse(frames, frames + run.steps);
     }
   }
 };
@@ -141,13 +145,14 @@ class MixtureSearch {
     return samples;
   }
 
-  /// The mixture that explains the frames best; a share of 0 if none does better than none.
-  [[nodiscard]] Mixture best() {
+  /// The mixture with the pattern before, or after, that explains the frames best; a share of 0 if
+  /// none does better than none.
+  [[nodiscard]] Mixture best(bool after) {
     const double as_given = misfit({});
     Mixture found;
     double least = as_given;
 
-    for (Mixture& way : ways()) {
+    for (Mixture& way : ways(after)) {
       // The same share in all rows, or one that grows down or up the picture.
       for (const auto& [at_top, at_bottom] : {std::pair{1, 1}, std::pair{0, 2}, std::pair{2, 0}}) {
         for (double s = 0.02; s < most / std::max(at_top, at_bottom); s += s < 0.05 ? 0.02 : 0.04) {
@@ -176,11 +181,13 @@ class MixtureSearch {
  private:
   static constexpr double most = half - 0.01;
 
-  [[nodiscard]] std::vector<Mixture> ways() const {
-    const StepRun all{0, scan_.samples.frames()};
-    // A share from frame to frame, with or without a pause before the cycle, or band by band.
-    std::vector<Mixture> ways{{.runs = {all}}, {.runs = {all}, .stands = true}, in_bands()};
-    if (ways.back().runs.size() < 2) ways.pop_back();
+  [[nodiscard]] std::vector<Mixture> ways(bool after) const {
+    const std::vector<StepRun> all{{0, scan_.samples.frames()}};
+    // A share from frame to frame, with or without a pause before or after the cycle, or band by
+    // band, where a share of the pattern after looks like another one of the pattern before.
+    std::vector<Mixture> ways{
+        {.runs = all, .after = after}, {.runs = all, .stands = true, .after = after}, in_bands()};
+    if (after || ways.back().runs.size() < 2) ways.pop_back();
     return ways;
   }
 
@@ -250,13 +257,16 @@ Finding out_of_step(const Mixture& mixture, const std::pair<double, double>& har
   Finding finding{
       .kind = FindingKind::mixed_frames,
       .severity = is_harmful ? Severity::wrong : Severity::doubtful,
-      .what = "each frame contains a share of the pattern before",
+      .what = fmt::format("each frame contains a share of the pattern {}",
+                          mixture.after ? "after it" : "before"),
       .evidence = {{"share", 100 * mixture.mean(), "percent", 100 * least_share},
                    {"coordinates off by", 100 * off, "percent of the field", 100 * most_off}},
       .causes = {{CauseKind::out_of_step,
                   "camera and projector out of step: exposures span two patterns"},
                  {CauseKind::unclear, "an object that moved during capture"}},
-      .remedies = {{"trigger the camera by the projector, or expose later and for whole patterns"},
+      .remedies = {{fmt::format("trigger the camera by the projector, or expose {} and for whole "
+                                "patterns",
+                                mixture.after ? "earlier" : "later")},
                    {"hold the object still"}}};
 
   if (deeper > 0) {
@@ -273,50 +283,58 @@ Finding out_of_step(const Mixture& mixture, const std::pair<double, double>& har
   return finding;
 }
 
+/// Whether the scan without that share fits, and clearly better. `in_code`: the share that the code
+/// shows.
+bool explains_better(const JudgedScan& scan, const Fit& fit, const Fit& then, double in_code) {
+  constexpr double most_left = 0.5, better = 0.3;
+  const bool by_code = in_code > most_in_code, is_half = in_code == half;
+
+  // Near a share of one half, noise remains of a code's frames; at one half none can be undone.
+  if (!is_half && (!then.patterns_made() || !then.bands_agree() ||
+                   (!by_code && (!then.geometry_fits() || then.misfit() >= fit.misfit())))) {
+    return false;
+  }
+
+  // What moves may resemble a share, but leaves more.
+  const bool explained = fit.frames.residual > least_residual
+                             ? then.frames.residual < most_left * fit.frames.residual
+                             : then.misfit() < fit.misfit() - better;
+  return (!fit.all() && !scan.settings.moving) || by_code || explained;
+}
+
 }  // namespace
 
 std::optional<MixedFrames> mixed_frames(const JudgedScan& scan, const Fit& fit) {
-  constexpr double most_left = 0.5, better = 0.3;
-
   const double in_code = share_in_code(scan.model, scan.samples);
   // In windows of declared motion the frame before a cycle is another one each time.
   if (measuring_band(scan.model.layout()).cycle ||
       !is_suspect(fit, scan.model.has_real_cue(), in_code))
     return std::nullopt;
 
-  // 1. The share that explains the frames best, or else the code.
   MixtureSearch search(scan, fit.all());
-  Mixture mixture = search.best();
-  if (mixture.mean() < least_share) mixture = search.of_code(in_code);
-  if (mixture.mean() < least_share) return std::nullopt;
+  for (const bool after : {false, true}) {
+    // 1. The share that explains the frames best, or else the code.
+    Mixture mixture = search.best(after);
+    if (mixture.mean() < least_share && !after) mixture = search.of_code(in_code);
+    if (mixture.mean() < least_share) continue;
 
-  // 2. The scan without that share: it must fit, and clearly better.
-  const ScanSamples undone = search.undone(mixture, scan.samples);
-  const JudgedScan without{scan.model,   undone,          scan.sequence,
-                           scan.scanner, scan.photometry, scan.settings};
-  const Fit then = fit_of(without);
+    // So large a share would have taken the contrast of a code that is alone.
+    constexpr double hardly_hidden = 0.45;
+    const bool alone = scan.model.layout().unwrapping->whole_stripes;
+    if (alone && in_code <= most_in_code && mixture.mean() > hardly_hidden) continue;
 
-  const bool by_code = in_code > most_in_code, is_half = in_code == half;
-  // So large a share would have taken the contrast of a code that is alone.
-  constexpr double hardly_hidden = 0.45;
-  const bool alone = scan.model.layout().unwrapping->whole_stripes;
-  if (alone && !by_code && mixture.mean() > hardly_hidden) return std::nullopt;
+    // 2. The scan without that share.
+    const ScanSamples undone = search.undone(mixture, scan.samples);
+    const Fit then =
+        fit_of({scan.model, undone, scan.sequence, scan.scanner, scan.photometry, scan.settings});
+    if (!explains_better(scan, fit, then, in_code)) continue;
 
-  // Near a share of one half, noise remains of a code's frames; at one half none can be undone.
-  if (!is_half && (!then.patterns_made() || !then.bands_agree() ||
-                   (!by_code && (!then.geometry_fits() || then.misfit() >= fit.misfit())))) {
-    return std::nullopt;
+    // 3. The harm done.
+    return MixedFrames{then.misfit(),
+                       out_of_step(mixture, errors(scan, undone, fit, then), in_code)};
   }
 
-  const bool explained = fit.frames.residual > least_residual
-                             ? then.frames.residual < most_left * fit.frames.residual
-                             : then.misfit() < fit.misfit() - better;
-
-  // What moves may resemble a share, but leaves more.
-  if ((fit.all() || scan.settings.moving) && !by_code && !explained) return std::nullopt;
-
-  // 3. The harm done.
-  return MixedFrames{then.misfit(), out_of_step(mixture, errors(scan, undone, fit, then), in_code)};
+  return std::nullopt;
 }
 
 }  // namespace slipstream

@@ -54,12 +54,16 @@ class ScanSamples {
   template <class Change>
   void change(const Change& change) {
     for (std::size_t i = 0; i < lit_.size() * places; ++i) {
-      change(levels_.data() + i * frames_, static_cast<double>(row(i / places)) / size_.height);
+      change(levels_.data() + i * frames_, down(i / places));
     }
   }
 
   [[nodiscard]] int column(std::size_t group) const { return lit_[group].column; }
   [[nodiscard]] int row(std::size_t group) const { return lit_[group].row; }
+  /// The row as a share of the picture's height.
+  [[nodiscard]] double down(std::size_t group) const {
+    return static_cast<double>(row(group)) / size_.height;
+  }
   /// Brightness of merged frames relative to the shortest exposure; otherwise 1.
   [[nodiscard]] double gain(std::size_t group) const { return lit_[group].gain; }
   /// Difference of the brightest and the darkest frame.

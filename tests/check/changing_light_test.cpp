@@ -1,6 +1,7 @@
 #include "check/changing_light.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -90,6 +91,26 @@ TEST(ChangingLight, ChangedLightOfACodeIsAWarningAtMost) {
   ASSERT_EQ(found.findings.size(), 1U);
   EXPECT_EQ(found.findings.front().kind, FindingKind::changing_light);
   EXPECT_FALSE(any_wrong(found.findings));
+}
+
+// A rolling shutter sees flicker row by row: the mean of each frame hardly changes.
+TEST(ChangingLight, FlickerByRowsIsTold) {
+  for (const Strategy& strategy :
+       {make_strategy("dual-frequency", {{"steps", 3}}), make_strategy("multi-frequency", {}),
+        make_strategy("gray-phase", {{"steps", 4}})}) {
+    Scan scan = scene_scan("statue", strategy);
+    const int height = scan.frames.size().height;
+    for (int n = 0; n < scan.frames.count(); ++n) {
+      pixels({n}, [=](double level, int, int row) {
+        return level * (1 + 0.08 * std::sin(2.1 * n + 9.0 * row / height));
+      })(scan);
+    }
+
+    std::string told;
+    EXPECT_EQ(light_of(scan, told).kind, FindingKind::changing_light)
+        << label_of(strategy) << ": " << told;
+    EXPECT_EQ(light_of(scan, told, {.moving = true}).kind, Finding{}.kind) << told;
+  }
 }
 
 // Bits that are darker than other frames as a whole are not mixed with the bit before.

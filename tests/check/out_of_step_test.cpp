@@ -159,6 +159,25 @@ TEST(OutOfStepBands, AreNamedWithTheirShare) {
   }
 }
 
+// A camera that exposes too early: the share is of the pattern after.
+TEST(OutOfStepTooEarly, IsNamedWithItsShareAndRemedy) {
+  for (const Strategy& strategy :
+       {make_strategy("dual-frequency", {{"steps", 5}, {"high", 12}}),
+        make_strategy("gray-phase", {{"steps", 4}}), make_strategy("multi-frequency", {})}) {
+    const Scan right = virtual_scan("statue", strategy);
+    Before after;
+    for (int n = 1; n <= right.frames.count(); ++n) after.push_back(n % right.frames.count());
+
+    for (const double share : {0.05, 0.15}) {
+      const auto found = check_scan(mixed(right, after, share, share)).findings;
+      const auto named = std::ranges::find_if(found, names_out_of_step);
+      ASSERT_NE(named, found.end()) << label_of(strategy) << ", " << share;
+      EXPECT_NEAR(named->evidence.front().value, 100 * share, 2) << label_of(strategy);
+      EXPECT_NE(remedies_of(*named).find("expose earlier"), std::string::npos);
+    }
+  }
+}
+
 /// A scene and a strategy, at each so many percent; an empty scene: the skull.
 struct Stepped {
   int percent_step = 1;

@@ -55,24 +55,21 @@ std::vector<double> explained_shares(const JudgedScan& scan,
   return shares;
 }
 
-Finding finding_about(const std::vector<int>& frames, double residual, double limit) {
-  const std::string which = frames.size() == 1
-                                ? fmt::format("frame {}", frames.front())
-                                : fmt::format("one of the frames {}", fmt::join(frames, ", "));
-
+/// `which`: the frames in words; `frames`: their numbers, if they are known.
+Finding finding_about(const std::string& which, std::vector<int> frames, double residual,
+                      double limit) {
   return {
       .kind = FindingKind::pattern_mismatch,
       .severity = residual > FitLimits::hopeless_residual ? Severity::wrong : Severity::doubtful,
-      .what = fmt::format("{} contradicts the others: over {:g} % of the frames' variation is "
-                          "unexplained",
-                          which, 100 * limit),
+      .what = fmt::format("{}: over {:g} % of the frames' variation is unexplained", which,
+                          100 * limit),
       .evidence = {{.name = "unexplained share of the variation",
                     .value = residual,
                     .limit = limit}},
       .causes = {{CauseKind::unclear, "a frame out of focus, shaken, or lit by other light"}},
       .remedies = {{"capture the scan again; hold camera, projector and object still, and "
                     "switch off automatic focus"}},
-      .frames = frames};
+      .frames = std::move(frames)};
 }
 
 }  // namespace
@@ -104,7 +101,27 @@ std::optional<Finding> contradicting_frame(const JudgedScan& scan, const Fit& fi
   }
 
   if (2 * frames.size() > shares.size()) return std::nullopt;
-  return finding_about(frames, residual, least_residual);
+  const std::string which = frames.size() == 1
+                                ? fmt::format("frame {}", frames.front())
+                                : fmt::format("one of the frames {}", fmt::join(frames, ", "));
+  return finding_about(which + " contradicts the others", frames, residual, least_residual);
+}
+
+std::optional<Finding> contradicting_frames(const JudgedScan& scan, const Fit& fit) {
+  // Right scans leave 0.014. Blur takes harmonics of a response away, in each band another part of
+  // them, which no one waveform explains: up to 0.036.
+  constexpr double least_residual = 0.02;
+  const Layout& layout = scan.model.layout();
+  if (fit.frames.residual < least_residual || layout.code || layout.bands.size() > 1) {
+    return std::nullopt;
+  }
+  if (const auto& known = scan.photometry.response; known && !is_linear(known->response)) {
+    return std::nullopt;
+  }
+
+  const auto waveform = waveform_of(scan.model, scan, scan.model.identity());
+  if (!waveform || waveform->residual < least_residual) return std::nullopt;
+  return finding_about("frames contradict each other", {}, waveform->residual, least_residual);
 }
 
 }  // namespace slipstream

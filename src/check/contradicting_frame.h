@@ -13,4 +13,8 @@ namespace slipstream {
 /// each other as well. `fit`: the result of fit_of.
 std::optional<Finding> contradicting_frame(const JudgedScan& scan, const Fit& fit);
 
+/// Frames that contradict each other by more than a waveform, a single frame or a displacement of
+/// whole frames explains. Only of a single band of four steps or more.
+std::optional<Finding> contradicting_frames(const JudgedScan& scan, const Fit& fit);
+
 }  // namespace slipstream

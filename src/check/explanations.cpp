@@ -288,6 +288,9 @@ std::vector<Finding> remaining_faults(const JudgedScan& scan, const Fit& fit,
 
   std::vector<Finding> findings = method_limits(scan, fit);
   if (auto of_code = changed_light_of_code(scan)) findings.push_back(std::move(*of_code));
+  if (!findings.empty()) return findings;
+
+  if (auto apart = contradicting_frames(scan, fit)) findings.push_back(std::move(*apart));
   return findings;
 }
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <optional>
+#include <set>
 #include <vector>
 
 namespace slipstream {
@@ -21,13 +23,14 @@ bool has_level_between(const StepRun& run, const float* levels) {
   });
 }
 
-/// Whether few steps of a run differ between two pixels by nearly the whole range, all the same
-/// way, and the others hardly. Phases and edges of surfaces change most steps.
-bool is_jump(const StepRun& run, const float* here, const float* there) {
+/// The first frame of a run that jumps between two pixels by nearly the whole range, if few do, all
+/// the same way, and the others hardly differ; otherwise -1. Phases and edges of surfaces change
+/// most steps.
+int jumping_frame(const StepRun& run, const float* here, const float* there) {
   constexpr float jump = 150, hardly = 20;  // grey levels of 255
   constexpr double few = 0.4;
 
-  int up = 0, down = 0;
+  int up = 0, down = 0, first = -1;
   for (int n = run.first; n < run.first + run.steps; ++n) {
     const float change = there[n] - here[n];
     if (change > jump) {
@@ -35,13 +38,14 @@ bool is_jump(const StepRun& run, const float* here, const float* there) {
     } else if (change < -jump) {
       ++down;
     } else if (std::abs(change) > hardly) {
-      return false;
+      return -1;
     }
+    if (first < 0 && std::abs(change) > jump) first = n;
   }
 
   const int jumps = up + down;
-  if (!has_level_between(run, here) || !has_level_between(run, there)) return false;
-  return std::min(up, down) == 0 && jumps > 0 && jumps <= few * run.steps;
+  if (!has_level_between(run, here) || !has_level_between(run, there)) return -1;
+  return std::min(up, down) == 0 && jumps <= few * run.steps ? first : -1;
 }
 
 }  // namespace
@@ -50,20 +54,30 @@ std::optional<Finding> wrapped_levels(const Layout& layout, const ScanSamples& s
   constexpr int fewest = 6;
   const std::vector<StepRun> runs = step_runs(layout);
 
+  std::size_t steps = 0;
+  for (const StepRun& run : runs) steps += static_cast<std::size_t>(run.steps);
+
   int jumps = 0;
+  std::set<int> frames;  // that jump
   for (std::size_t g = 0; g < samples.groups(); ++g) {
     for (const auto place : {ScanSamples::right, ScanSamples::below}) {
       if (!samples.lit(g, place)) continue;
 
       const float* const here = samples.levels(g, ScanSamples::middle);
       const float* const there = samples.levels(g, place);
-      const bool jumped =
-          std::ranges::any_of(runs, [&](const StepRun& run) { return is_jump(run, here, there); });
-      if (jumped) ++jumps;
+      for (const StepRun& run : runs) {
+        const int frame = jumping_frame(run, here, there);
+        if (frame < 0) continue;
+        ++jumps;
+        frames.insert(frame);
+      }
     }
   }
 
-  if (jumps < fewest) return std::nullopt;
+  // Levels wrap where the light is brightest, in one frame here and in another there. Few frames
+  // that were shaken jump at edges of the object.
+  const bool few_frames = 2 * frames.size() < steps;
+  if (jumps < fewest || few_frames) return std::nullopt;
 
   return Finding{
       .kind = FindingKind::clipped,

@@ -55,6 +55,20 @@ TEST(ContradictingFrame, IsNoneIfTwoWereShaken) {
   EXPECT_EQ(frames_named(shaken(shaken(right, 1, 2), 3, 2), told), std::vector<int>()) << told;
 }
 
+// Neither one frame nor a displacement explains these: blur and edges of the object remain.
+TEST(ContradictingFrame, AreToldTogetherIfTwoWereShaken) {
+  for (const char* const scene : {"statue", "boxes"}) {
+    const Scan right = scene_scan(scene, make_strategy("pmp", {{"steps", 6}}));
+    EXPECT_TRUE(check_scan(right).findings.empty()) << scene;
+
+    for (const int columns : {2, 4}) {
+      const auto found = check_scan(shaken(shaken(right, 0, columns), 1, columns)).findings;
+      ASSERT_FALSE(found.empty()) << scene << ", " << columns;
+      EXPECT_EQ(found.front().kind, FindingKind::pattern_mismatch) << text_of(found.front());
+    }
+  }
+}
+
 // Four steps have one redundancy: it cannot tell every other frame apart.
 TEST(ContradictingFrame, IsOneOfTwoInFourSteps) {
   const Scan right = scene_scan("statue", make_strategy("dual-frequency", {{"steps", 4}}));

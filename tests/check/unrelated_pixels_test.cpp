@@ -10,14 +10,14 @@
 
 namespace slipstream::unrelated_pixels_test {
 
-/// What is said of noise, or of noise with every second column of the first frame saturated.
+/// What is said of noise, or of noise with half of the first frame saturated.
 ScanFindings findings_of_noise(const Strategy& strategy, bool saturated) {
   std::mt19937 random(3);
   FrameSet::Images8 pictures;
   for (int n = 0; n < strategy.layout().frames; ++n) {
     Image<std::uint8_t>& picture = pictures.emplace_back(Size{160, 120});
     for_each_pixel_in_order(picture.size(), [&](int column, int row) {
-      const bool white = saturated && n == 0 && column % 2 == 0;
+      const bool white = saturated && n == 0 && column % 4 < 2;
       picture(column, row) = white ? 255 : static_cast<std::uint8_t>(random() % 255);
     });
   }

@@ -282,11 +282,16 @@ std::vector<Finding> remaining_faults(const JudgedScan& scan, const Fit& fit,
 
   // Then the mistakes that are harder to see, and last the limits of the method.
   if (light) return {std::move(light->finding)};
-  if (auto better = better_fit(scan, fit)) return {std::move(*better)};
 
-  if (auto unlike = unlike_frames(scan, fit)) return {std::move(*unlike)};
-
+  // Pixels that scatter, as of one-bit patterns in focus, fit other settings by chance.
   std::vector<Finding> findings = method_limits(scan, fit);
+  const bool scatters = std::ranges::any_of(
+      findings, [](const Finding& finding) { return finding.kind == FindingKind::excess_noise; });
+  if (!scatters) {
+    if (auto better = better_fit(scan, fit)) return {std::move(*better)};
+    if (auto unlike = unlike_frames(scan, fit)) return {std::move(*unlike)};
+  }
+
   if (auto of_code = changed_light_of_code(scan)) findings.push_back(std::move(*of_code));
   if (!findings.empty()) return findings;
 

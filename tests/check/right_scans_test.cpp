@@ -324,6 +324,13 @@ TEST(RightScans, OneBitPatternsAreToldInFocusAlone) {
     sharp.world.photometry = photometry_named("bench");
     EXPECT_EQ(told(check_scan(sharp.scan_of(sequence))), "") << name;
   }
+
+  // In focus other settings fit as well by chance: none is proposed.
+  Sequence five{make_strategy("dual-frequency", {{"steps", 5}, {"high", 16}})};
+  five.binary = true;
+  const ScanFindings found = check_scan(BentWorld(1, "statue").scan_of(five));
+  EXPECT_TRUE(warns_of(found, CauseKind::noise)) << told(found);
+  EXPECT_FALSE(any_wrong(found.findings)) << told(found);
 }
 
 TEST(RightScans, StripesAlongTheBaselineAreToldWithTheOtherAxis) {

@@ -189,6 +189,24 @@ void order_as_seen(const CalibrationBoard& board, Corners& corners) {
   }
 }
 
+/// Whether steps from corner to corner are nearly equal along rows and columns, as in the picture
+/// of a board: the detector may join rows of single and of double steps.
+bool has_even_steps(const CalibrationBoard& board, const Corners& corners) {
+  constexpr double most_uneven = 0.5;  // of two steps
+  const auto is_uneven = [&](int i, int step) {
+    const cv::Point2f before = corners[i] - corners[i - step];
+    const cv::Point2f after = corners[i + step] - corners[i];
+    return cv::norm(after - before) > most_uneven * cv::norm(after + before);
+  };
+
+  for (int i = 0; i < place_count(board); ++i) {
+    const int column = i % board.columns, row = i / board.columns;
+    if (column > 0 && column + 1 < board.columns && is_uneven(i, 1)) return false;
+    if (row > 0 && row + 1 < board.rows && is_uneven(i, board.columns)) return false;
+  }
+  return true;
+}
+
 /// Contrast of the four squares that meet at `corner`; `along` and `down` lead to the next corners.
 /// nullopt outside the picture.
 std::optional<double> corner_contrast(const cv::Mat& mean, cv::Point2f corner, cv::Point2f along,
@@ -389,6 +407,9 @@ std::optional<BoardCorners> find_board(const CalibrationBoard& board,
                          symmetric ? cv::CALIB_CB_SYMMETRIC_GRID : cv::CALIB_CB_ASYMMETRIC_GRID)
           : find_chessboard(size, mean, brightest);
   if (!found) return std::nullopt;
+  if (board.kind == BoardKind::chessboard && !has_even_steps(board, found->corners)) {
+    return std::nullopt;
+  }
 
   if (board.kind == BoardKind::chessboard) refine(mean, found->corners);
   if (board.kind != BoardKind::circles) order_as_seen(board, found->corners);

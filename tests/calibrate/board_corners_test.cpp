@@ -156,9 +156,9 @@ TEST(BoardCorners, ABoardOfAnotherSizeIsToldByItsSize) {
   EXPECT_FALSE(find_board({.columns = 9, .rows = 8}, picture.seen));
   EXPECT_EQ(chessboard_size(picture.seen), (Size{9, 7}));
   // A smaller board found inside it must be recognised as part of a larger one: the detector finds
-  // 5x3 adjacent corners, and 5x4 that leave out every second one.
-  for (const auto& [columns, rows] :
-       {std::pair(8, 7), std::pair(9, 6), std::pair(5, 3), std::pair(5, 4), std::pair(9, 4)}) {
+  // 5x3 adjacent corners, 5x4 that leave out every second one, and 6x3 of single and double steps.
+  for (const auto& [columns, rows] : {std::pair(8, 7), std::pair(9, 6), std::pair(5, 3),
+                                      std::pair(5, 4), std::pair(9, 4), std::pair(6, 3)}) {
     const CalibrationBoard smaller{.columns = columns, .rows = rows};
     try {
       EXPECT_FALSE(find_board(smaller, picture.seen));

@@ -159,16 +159,24 @@ int clarity(const RigSetting& setting, const std::string& message) {
   return (names_flag ? 4 : 0) + (names_setting ? 2 : 0) + (names_value ? 1 : 0);
 }
 
-/// Refuses an output that is no file, or whose folder takes none, before any work.
-void require_writable(const std::string& path) {
-  const fs::path folder = output_target(path).parent_path();
+/// A folder's path, the same however it is written.
+fs::path plain_folder(const fs::path& folder) {
+  return (fs::absolute(folder) / "").lexically_normal();
+}
+
+/// Refuses an output that is no file, or whose folder takes none, before any work. `made`: folders
+/// that the command makes.
+void require_writable(const std::string& path, const std::set<fs::path>& made) {
+  const fs::path parent = output_target(path).parent_path();
+  const fs::path folder = parent.empty() ? fs::path(".") : parent;
 
   // The name of a folder may be known only with the scan.
   if (folder.string().find('{') != std::string::npos) return;
 
-  if (::access(folder.empty() ? "." : folder.c_str(), W_OK) != 0) {
-    throw WorldError(fmt::format("cannot write {}: {}", path, std::strerror(errno)));
-  }
+  if (::access(folder.c_str(), W_OK) == 0) return;
+  const int error = errno;
+  if (error == ENOENT && made.contains(plain_folder(folder))) return;
+  throw WorldError(fmt::format("cannot write {}: {}", path, std::strerror(error)));
 }
 
 }  // namespace
@@ -195,6 +203,7 @@ std::string written_by(const CLI::Option& option, const std::string& value) {
 void require_distinct_files(const CLI::App& command) {
   constexpr std::string_view replay = "replay:";
   DistinctFiles files;
+  std::set<fs::path> made;  // folders
 
   const auto for_each_value = [&](const auto& take) {
     for (const CLI::Option* const option : command.get_options()) {
@@ -210,6 +219,9 @@ void require_distinct_files(const CLI::App& command) {
       files.add_input(value);
     }
     if (value.starts_with(replay)) files.add_input(value.substr(replay.size()));
+    if (option.get_type_name() == output_folder_type && !value.empty()) {
+      made.insert(plain_folder(value));
+    }
   });
 
   for_each_value([&](const CLI::Option& option, const std::string& value) {
@@ -226,13 +238,11 @@ void require_distinct_files(const CLI::App& command) {
       return;
     }
 
-    // Only names without an ending may be folders, of convert's scans. The outputs of a plan are
-    // written by other commands, maybe on other machines.
-    std::error_code unknown;
-    const bool may_be_folder =
-        fs::is_directory(path, unknown) && lower_case_extension(path).empty();
-    const bool is_planned = command.get_option_no_throw("--plan") != nullptr;
-    if (path != standard_output && !may_be_folder && !is_planned) require_writable(path);
+    // Names without an ending are folders of convert's scans, which it makes. The outputs of a plan
+    // are written by other commands, maybe on other machines.
+    const bool is_folder = lower_case_extension(path).empty();
+    const bool is_of_plan = command.get_option_no_throw("--plan") != nullptr;
+    if (path != standard_output && !is_folder && !is_of_plan) require_writable(path, made);
     type == scanner_output_type ? files.add_scanner_output(path) : files.add_output(path);
   });
 }

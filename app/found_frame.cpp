@@ -161,9 +161,9 @@ void find_by_planes(const PlanesFlags& flags, Output& output) {
   std::array<FittedPlane, 3> planes;
   for (std::size_t i = 0; i < planes.size(); ++i) {
     const std::string& plane = flags.planes[i];
-    planes[i] = naming("--plane " + plane, [&] {
-      return fit_plane(points_in(stored.cloud, nullptr, region_from(plane, "--plane")));
-    });
+    const Rectangle region = region_from(plane, "--plane");
+    planes[i] = naming("--plane " + plane,
+                       [&] { return fit_plane(points_in(stored.cloud, nullptr, region)); });
   }
   const PlaneFrame found = frame_of_planes(planes);
 

@@ -305,7 +305,8 @@ Surface surface_of_model(const MergeFlags& flags, const FusedModel& model, Outpu
   ModelMesh mesh = mesh_of(model);
   if (flags.widest_hole > 0) {
     const int filled = fill_holes(mesh, static_cast<float>(flags.widest_hole));
-    output.say("filled {} holes of the mesh with triangles that no view saw", filled);
+    output.say("filled {} of the mesh with triangles that no view saw",
+               counted(static_cast<std::size_t>(filled), "hole"));
     output.add("filled_holes", filled);
   }
 

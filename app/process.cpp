@@ -59,10 +59,14 @@ void handle_ends(void (*handler)(int)) {
 void end_program(int signal) {
   remove_temporary_files();
 
-  // A closed pipe must end in silence.
-  constexpr std::string_view words = "slipstream: stopped\n";
-  [[maybe_unused]] const auto written =
-      signal == SIGPIPE ? 0 : ::write(STDERR_FILENO, words.data(), words.size());
+  // A closed pipe must end in silence. On a terminal the words replace a line that shows a wait.
+  const auto write = [](std::string_view text) {
+    [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text.data(), text.size());
+  };
+  if (signal != SIGPIPE) {
+    if (::isatty(STDERR_FILENO) == 1) write("\033[K");
+    write("slipstream: stopped\n");
+  }
 
   // As the signal would have ended it, so that the parent process sees why.
   std::signal(signal, SIG_DFL);

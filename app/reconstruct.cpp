@@ -333,15 +333,16 @@ void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output
       }));
     }
 
-    // This thread reconstructs; the task only writes the files. Of several scans the bar tells.
-    const auto tell_wait = [&](const char* work) {
+    // This thread reconstructs; the task only writes the files. With several scans the bar shows
+    // how far the work is.
+    const auto tell_stage = [&](const char* work) {
       if (count == 1) output.tell_wait(fmt::format("{}: {}", flags.scans[i].path, work));
     };
-    tell_wait("reading");
+    tell_stage("reading");
     LoadedScan loaded = next_of(loading);
-    tell_wait("reconstructing");
+    tell_stage("reconstructing");
     ReconstructedScan scan = reconstructed(std::move(loaded), flags, reused);
-    tell_wait("writing");
+    tell_stage("writing");
     writing.push_back(std::async(start, [&flags, scan = std::move(scan)]() mutable {
       return written(std::move(scan), flags);
     }));

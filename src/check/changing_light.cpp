@@ -24,6 +24,7 @@ struct FrameGains {
     right += more.right;
     all += more.all;
     variation += more.variation;
+    pairs += more.pairs;
   }
 
   /// A common gain is unobservable: fixes the mean at 0.
@@ -47,6 +48,7 @@ struct FrameGains {
   Eigen::MatrixXd normal{};  ///< normal * gains = right, with residual `all`
   Eigen::VectorXd right{};
   double all = 0, variation = 0;
+  int pairs = 0;  ///< of pixels that were compared
 };
 
 /// A frame and how much brighter it is than the usual one, a share, or a level of it.
@@ -135,8 +137,9 @@ void read_residual(const FrameModel& model, const float* levels, const std::vect
 /// its own gains.
 constexpr int strips = 8;
 
-int strip_of(double down) {
-  return static_cast<int>(down * strips);
+/// The one of `count` strips that holds a row so far down the picture.
+std::size_t strip_of(double down, std::size_t count) {
+  return static_cast<std::size_t>(down * static_cast<double>(count));
 }
 
 /// The gains of each strip from every other group, from `first` (0 or 1) on.
@@ -165,11 +168,12 @@ std::vector<FrameGains> strip_gains(const FrameModel& model, const ScanSamples& 
     read_residual(model, samples.levels(g, ScanSamples::right), frames, reading, b);
     if (by_place && std::abs(a.coordinate - b.coordinate) > most_apart) continue;
 
-    found[strip_of(samples.down(g))].add(
+    found[strip_of(samples.down(g), strips)].add(
         {.normal = a.by_gains.transpose() * b.by_gains + b.by_gains.transpose() * a.by_gains,
          .right = a.by_gains.transpose() * b.left + b.by_gains.transpose() * a.left,
          .all = 2 * a.left.dot(b.left),
-         .variation = 2 * samples.variation(levels)});
+         .variation = 2 * samples.variation(levels),
+         .pairs = 1});
   }
 
   for (FrameGains& strip : found) strip.solve();
@@ -269,8 +273,7 @@ using PartGains = std::vector<std::vector<FrameGain>>;
 double misfit_without(const JudgedScan& scan, const PartGains& parts) {
   ScanSamples samples = scan.samples;
   samples.change([&](float* I, double down) {
-    for (const auto& [frame, gain] :
-         parts[static_cast<std::size_t>(down * static_cast<double>(parts.size()))]) {
+    for (const auto& [frame, gain] : parts[strip_of(down, parts.size())]) {
       I[frame] /= static_cast<float>(1 + gain);
     }
   });
@@ -380,13 +383,21 @@ std::optional<ChangedLight> changed_light(const JudgedScan& scan, const Fit& fit
     return std::nullopt;
   }
 
-  const std::vector<FrameGains> gains = strip_gains(scan.model, scan.samples, 0);
-  const std::vector<FrameGains> others = strip_gains(scan.model, scan.samples, 1);
+  std::vector<FrameGains> gains = strip_gains(scan.model, scan.samples, 0);
+  std::vector<FrameGains> others = strip_gains(scan.model, scan.samples, 1);
   const FrameGains whole = joined(gains);
   if (whole.frames.empty() || whole.residual() < least_residual) return std::nullopt;
 
-  auto changed = by_gains(scan, {whole}, {joined(others)});
-  return changed ? changed : by_gains(scan, gains, others);
+  if (auto changed = by_gains(scan, {whole}, {joined(others)})) return changed;
+
+  // A strip of few pixels, as of a small picture or beside the object, shows the surface's form.
+  constexpr int fewest = 80;
+  for (std::size_t i = 0; i < gains.size(); ++i) {
+    if (std::min(gains[i].pairs, others[i].pairs) >= fewest) continue;
+    gains[i].gains.setZero();
+    others[i].gains.setZero();
+  }
+  return by_gains(scan, gains, others);
 }
 
 std::optional<Finding> changed_light_of_code(const JudgedScan& scan) {

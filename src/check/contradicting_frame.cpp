@@ -55,17 +55,19 @@ std::vector<double> explained_shares(const JudgedScan& scan,
   return shares;
 }
 
+/// Correct scans leave 0.014, real ones of twelve steps 0.07 by no single frame.
+constexpr double least_residual = 0.02;
+
 /// `which`: the frames in words; `frames`: their numbers, if they are known.
-Finding finding_about(const std::string& which, std::vector<int> frames, double residual,
-                      double limit) {
+Finding finding_about(const std::string& which, std::vector<int> frames, double residual) {
   return {
       .kind = FindingKind::pattern_mismatch,
       .severity = residual > FitLimits::hopeless_residual ? Severity::wrong : Severity::doubtful,
       .what = fmt::format("{}: over {:g} % of the frames' variation is unexplained", which,
-                          100 * limit),
+                          100 * least_residual),
       .evidence = {{.name = "unexplained share of the variation",
                     .value = residual,
-                    .limit = limit}},
+                    .limit = least_residual}},
       .causes = {{CauseKind::unclear, "a frame out of focus, shaken, or lit by other light"}},
       .remedies = {{"capture the scan again; hold camera, projector and object still, and "
                     "switch off automatic focus"}},
@@ -75,8 +77,7 @@ Finding finding_about(const std::string& which, std::vector<int> frames, double 
 }  // namespace
 
 std::optional<Finding> contradicting_frame(const JudgedScan& scan, const Fit& fit) {
-  // Correct scans leave 0.014, real ones of twelve steps 0.07 by no single frame.
-  constexpr double least_residual = 0.02, least_share = 0.9, most_of_others = 0.8;
+  constexpr double least_share = 0.9, most_of_others = 0.8;
   constexpr double alike = 0.99;  // cosine of the angle between two frames' directions
 
   const double residual = fit.frames.residual;
@@ -104,24 +105,23 @@ std::optional<Finding> contradicting_frame(const JudgedScan& scan, const Fit& fi
   const std::string which = frames.size() == 1
                                 ? fmt::format("frame {}", frames.front())
                                 : fmt::format("one of the frames {}", fmt::join(frames, ", "));
-  return finding_about(which + " contradicts the others", frames, residual, least_residual);
+  return finding_about(which + " contradicts the others", frames, residual);
 }
 
 std::optional<Finding> contradicting_frames(const JudgedScan& scan, const Fit& fit) {
-  // Right scans leave 0.014. Blur takes harmonics of a response away, in each band another part of
-  // them, which no one waveform explains: up to 0.036.
-  constexpr double least_residual = 0.02;
   const Layout& layout = scan.model.layout();
   if (fit.frames.residual < least_residual || layout.code || layout.bands.size() > 1) {
     return std::nullopt;
   }
-  if (const auto& known = scan.photometry.response; known && !is_linear(known->response)) {
-    return std::nullopt;
-  }
+
+  // Blur takes harmonics of any other response away, more of them where surfaces lie out of focus:
+  // no one waveform explains up to 0.05 of right scans.
+  const auto& known = scan.photometry.response;
+  if (!known || !is_linear(known->response)) return std::nullopt;
 
   const auto waveform = waveform_of(scan.model, scan, scan.model.identity());
   if (!waveform || waveform->residual < least_residual) return std::nullopt;
-  return finding_about("frames contradict each other", {}, waveform->residual, least_residual);
+  return finding_about("frames contradict each other", {}, waveform->residual);
 }
 
 }  // namespace slipstream

@@ -58,19 +58,21 @@ std::optional<Finding> wrapped_levels(const Layout& layout, const ScanSamples& s
   for (const StepRun& run : runs) steps += static_cast<std::size_t>(run.steps);
 
   int jumps = 0;
-  std::set<int> frames;  // that jump
+  std::set<int> frames;  // the first to jump in each run
   for (std::size_t g = 0; g < samples.groups(); ++g) {
     for (const auto place : {ScanSamples::right, ScanSamples::below}) {
       if (!samples.lit(g, place)) continue;
 
       const float* const here = samples.levels(g, ScanSamples::middle);
       const float* const there = samples.levels(g, place);
+      bool jumped = false;
       for (const StepRun& run : runs) {
         const int frame = jumping_frame(run, here, there);
         if (frame < 0) continue;
-        ++jumps;
+        jumped = true;
         frames.insert(frame);
       }
+      if (jumped) ++jumps;
     }
   }
 

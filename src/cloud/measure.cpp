@@ -83,8 +83,8 @@ constexpr std::size_t least_of_plane = 3, least_of_sphere = 4;
 
 void require_points(std::span<const MeasuredPoint> points, std::size_t least,
                     std::string_view shape) {
-  throw_if(points.size() < least, "{} points are too few for a {}; select {} or more",
-           points.size(), shape, least);
+  throw_if(points.size() < least, "too few points for a {}: {} of at least {}", shape,
+           points.size(), least);
 }
 
 /// The least-squares sphere by Gauss-Newton, starting from one near it. On a nearly flat patch the

@@ -143,7 +143,7 @@ Scan read_scan(const ScanFiles& files, const PhotometricCalibration& known, bool
       !is_order_of(files.order, count),
       "{}: `order {}` is not an order of its {} frames; list each of 0 to {} once, separated by "
       "commas",
-      files.path.string(), fmt::join(files.order, ","), count, count - 1);
+      files.path.string(), text_of_order(files.order), count, count - 1);
 
   scan.frames = reordered(std::move(scan.frames), files.order);
   return scan;

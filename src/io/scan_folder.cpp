@@ -1,5 +1,6 @@
 #include "io/scan_folder.h"
 
+#include <iterator>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -341,9 +342,18 @@ std::vector<int> order_from(const std::string& text, const Sequence& sequence) {
              "`order` '{}': expected numbers or ranges with commas between, e.g. 2,0,1 or 0-17, or "
              "sinusoids,code or code,sinusoids",
              text);
+    throw_if(static_cast<std::size_t>(ends.back() - ends.front()) + order.size() >= most,
+             "`order` '{}': more than {} frames", text, most);
     for (int frame = ends.front(); frame <= ends.back(); ++frame) order.push_back(frame);
   } while (!rest.empty());
   return order;
+}
+
+std::string text_of_order(const std::vector<int>& order) {
+  constexpr std::ptrdiff_t most = 40;
+  const bool is_cut = std::ssize(order) > most;
+  const auto end = is_cut ? order.begin() + most : order.end();
+  return fmt::format("{}{}", fmt::join(order.begin(), end, ","), is_cut ? ",..." : "");
 }
 
 void amend(ScanFiles& files, const ScanChanges& changes) {

@@ -36,9 +36,11 @@ void write_scan_files(const std::filesystem::path& file, const ScanFiles& scan);
 std::string folder_of_camera(std::size_t number);
 
 /// The order of a sequence's frames from text: "2,0,1", "0-17,36-49", "sinusoids,code" or
-/// "code,sinusoids".
-/// Throws Error for any other text.
+/// "code,sinusoids". Throws Error for any other text.
 std::vector<int> order_from(const std::string& text, const Sequence& sequence);
+
+/// The first numbers of an order as text, for messages.
+std::string text_of_order(const std::vector<int>& order);
 
 /// Applies the changes. Throws Error if the sequence remains unknown, for unsupported bits, a
 /// missing window of pictures and an invalid order.

@@ -7,6 +7,7 @@
 #include "base/statistics.h"
 #include "base/throw_if-inl.h"
 #include "io/image_file.h"
+#include "io/scan_folder.h"
 #include "slipstream/scan_files.h"
 
 namespace slipstream {
@@ -158,7 +159,7 @@ std::string about_surplus(const std::vector<fs::path>& pictures, int wanted) {
   }
 
   return fmt::format("{} too many, likely frame{} {}; try `order {}`", surplus,
-                     surplus == 1 ? "" : "s", fmt::join(named, ", "), fmt::join(order, ","));
+                     surplus == 1 ? "" : "s", fmt::join(named, ", "), text_of_order(order));
 }
 
 /// Whether its name begins with a dot, as files left by desktops do: .DS_Store, ._frame.png.
@@ -190,7 +191,7 @@ std::vector<fs::path> pattern_pictures(const ScanFiles& files, int wanted,
                *chosen.rbegin() >= count,
            "{}: `order {}` is not an order of its {} frames; list {} of 0 to {} once, separated by "
            "commas",
-           files.path.string(), fmt::join(files.order, ","), count,
+           files.path.string(), text_of_order(files.order), count,
            count == wanted ? "each" : std::to_string(wanted), count - 1);
 
   std::vector<fs::path> ordered;

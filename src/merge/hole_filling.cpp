@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <unordered_map>
 #include <unordered_set>
@@ -50,13 +51,14 @@ Eigen::Vector3f normal_of(const std::vector<ModelPoint>& vertices, const Triangl
   return sum.normalized();
 }
 
-/// Angle of the hole at the second corner, 0 to 2 pi, seen against the normals.
-float angle_at(const std::vector<ModelPoint>& vertices, const Triangle& corners) {
+/// Angle of the hole at the second corner, 0 to 2 pi, seen against a direction outwards.
+float angle_at(const std::vector<ModelPoint>& vertices, const Triangle& corners,
+               const Eigen::Vector3f& outwards) {
   const Eigen::Vector3f& here = vertices[corners[1]].position;
   const Eigen::Vector3f in = vertices[corners[0]].position - here;
   const Eigen::Vector3f out = vertices[corners[2]].position - here;
 
-  const float angle = std::atan2(out.cross(in).dot(normal_of(vertices, corners)), out.dot(in));
+  const float angle = std::atan2(out.cross(in).dot(outwards), out.dot(in));
   return angle < 0 ? angle + 2 * std::numbers::pi_v<float> : angle;
 }
 
@@ -87,7 +89,8 @@ std::vector<Rim> rims_of(const ModelMesh& mesh, const Edges& edges) {
     while (!is_closed && !next[rim.back()].empty()) {
       std::vector<std::uint32_t>& ways = next[rim.back()];
       const auto way = std::ranges::min_element(ways, {}, [&](std::uint32_t to) {
-        return angle_at(mesh.vertices, {rim[rim.size() - 2], rim.back(), to});
+        const Triangle corners{rim[rim.size() - 2], rim.back(), to};
+        return angle_at(mesh.vertices, corners, normal_of(mesh.vertices, corners));
       });
       is_closed = rim.back() == first && *way == second;
       if (!is_closed) rim.push_back(*way);
@@ -99,11 +102,25 @@ std::vector<Rim> rims_of(const ModelMesh& mesh, const Edges& edges) {
   return rims;
 }
 
+/// Unit normal of the plane that a rim runs round counter-clockwise (Newell).
+Eigen::Vector3f normal_of(const std::vector<ModelPoint>& vertices, const Rim& rim) {
+  const Eigen::Vector3f& origin = vertices[rim.front()].position;
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  for (std::size_t i = 0; i < rim.size(); ++i) {
+    const auto [before, here, after] = corners_at(rim, i);
+    sum += (vertices[here].position - origin).cross(vertices[after].position - origin);
+  }
+  return sum.normalized();
+}
+
 /// Fills one rim from its sharpest corners inwards.
 class RimFilling {
  public:
   RimFilling(const ModelMesh& mesh, const Edges& edges, Rim rim)
-      : vertices_(mesh.vertices), edges_(edges), rim_(std::move(rim)) {}
+      : vertices_(mesh.vertices),
+        edges_(edges),
+        rim_(std::move(rim)),
+        outwards_(normal_of(vertices_, rim_)) {}
 
   /// The triangles; nullopt if the rim cannot be filled.
   [[nodiscard]] std::optional<std::vector<Triangle>> triangles() {
@@ -129,7 +146,7 @@ class RimFilling {
     bool is_clear = false;
     for (std::size_t i = 0; i < rim_.size(); ++i) {
       const Triangle corners = corners_at(rim_, i);
-      const float angle = angle_at(vertices_, corners);
+      const float angle = angle_at(vertices_, corners, outwards_);
       if (sharpest && is_clear && angle >= least) continue;
       if (!has_free_edge(corners)) continue;
 
@@ -153,16 +170,15 @@ class RimFilling {
     return true;
   }
 
-  /// Whether another corner of the rim is over the triangle, seen against the normals.
+  /// Whether another corner of the rim is over the triangle, seen along the rim's normal.
   [[nodiscard]] bool lies_under_another(const Triangle& corners) const {
-    const Eigen::Vector3f normal = normal_of(vertices_, corners);
     return std::ranges::any_of(rim_, [&](std::uint32_t other) {
       if (std::ranges::count(corners, other) != 0) return false;
       for (std::size_t k = 0; k < 3; ++k) {
         const Eigen::Vector3f& from = vertices_[corners[k]].position;
         const Eigen::Vector3f& to = vertices_[corners[(k + 1) % 3]].position;
         const Eigen::Vector3f beyond = vertices_[other].position - from;
-        if ((to - from).cross(beyond).dot(normal) <= 0) return false;
+        if ((to - from).cross(beyond).dot(outwards_) <= 0) return false;
       }
       return true;
     });
@@ -172,6 +188,7 @@ class RimFilling {
   const Edges& edges_;
   Edges own_edges_{};
   Rim rim_;
+  const Eigen::Vector3f outwards_;
 };
 
 float width_of(const ModelMesh& mesh, const Rim& rim) {
@@ -180,14 +197,35 @@ float width_of(const ModelMesh& mesh, const Rim& rim) {
   return box.diagonal().norm();
 }
 
-/// Whether the rim runs around a hole, not around a piece that floats by itself.
-bool is_around_hole(const ModelMesh& mesh, const Rim& rim) {
-  float turn = 0;
-  for (std::size_t i = 0; i < rim.size(); ++i) {
-    const Triangle corners = corners_at(rim, i);
-    turn += std::numbers::pi_v<float> - angle_at(mesh.vertices, corners);
+/// Of each vertex, whether it is in a piece that floats: one of far fewer triangles than the
+/// largest.
+std::vector<bool> floating_vertices(const ModelMesh& mesh) {
+  constexpr std::size_t far_fewer = 100;  // times
+
+  // 1. The pieces: each vertex leads to the first one of its piece.
+  std::vector<std::uint32_t> next(mesh.vertices.size());
+  std::iota(next.begin(), next.end(), 0U);
+  const auto piece_of = [&](std::uint32_t vertex) {
+    while (next[vertex] != vertex) vertex = next[vertex] = next[next[vertex]];
+    return vertex;
+  };
+  for (const auto& [a, b, c] : mesh.triangles) {
+    next[piece_of(b)] = piece_of(a);
+    next[piece_of(c)] = piece_of(a);
   }
-  return turn > 0;
+
+  // 2. Their sizes.
+  std::vector<std::size_t> triangles(mesh.vertices.size());
+  std::size_t most = 0;
+  for (const Triangle& triangle : mesh.triangles) {
+    most = std::max(most, ++triangles[piece_of(triangle[0])]);
+  }
+
+  std::vector<bool> floats(mesh.vertices.size());
+  for (std::uint32_t vertex = 0; vertex < floats.size(); ++vertex) {
+    floats[vertex] = far_fewer * triangles[piece_of(vertex)] < most;
+  }
+  return floats;
 }
 
 }  // namespace
@@ -196,9 +234,10 @@ int fill_holes(ModelMesh& mesh, float widest) {
   Edges edges;
   for (const Triangle& triangle : mesh.triangles) edges.add(triangle);
 
+  const std::vector<bool> floats = floating_vertices(mesh);
   int filled = 0;
   for (const Rim& rim : rims_of(mesh, edges)) {
-    if (width_of(mesh, rim) > widest || !is_around_hole(mesh, rim)) continue;
+    if (floats[rim.front()] || width_of(mesh, rim) > widest) continue;
     const auto triangles = RimFilling(mesh, edges, rim).triangles();
     if (!triangles) continue;
 

@@ -266,7 +266,7 @@ TEST_F(FrameProgram, FindsAFrameFromPointsAndSaysTheResiduals) {
   expect_refused(picks, "the largest at pixel");
   expect_refused({"frame", "planes", path("scan"), "--plane", "40x30+60+40", "--plane", "1x1+80+60",
                   "--plane", "30x30+90+60"},
-                 "--plane 1x1+80+60: 1 points are too few");
+                 "--plane 1x1+80+60: too few points for a plane: 1 of at least 3");
 
   write_file(path("pairs.csv"), "1,2,3\n");
   expect_refused({"frame", "points", "--pairs", path("pairs.csv")}, "line 1");

@@ -231,12 +231,12 @@ TEST_F(GammaProgram, ReproducesWithoutAnyFlag) {
 
 TEST_F(GammaProgram, ReproducesTablesAndFigures) {
   const std::string json = out_of({"reproduce", "table-4.1", "figure-4.1", "--plots", path("plots"),
-                                   "--report", path("report.html"), "--json"});
+                                   "--report", path("plots/report.html"), "--json"});
   for (const char* words : {"\"tables\"", "\"id\": \"4.1\"", "\"published\"", "\"improved\""}) {
     EXPECT_TRUE(says(json, words)) << words << " in " << json;
   }
   EXPECT_TRUE(std::filesystem::exists(path("plots/figure-4.1.png")));
-  const auto report = read_file(path("report.html"));
+  const auto report = read_file(path("plots/report.html"));
   EXPECT_TRUE(says({report.begin(), report.end()},
                    "<img alt=\"figure-4.1\" src=\"data:image/png;base64,iVBOR"));
   EXPECT_TRUE(says(out_of({"reproduce", "--list"}), "section-4.5"));

@@ -398,6 +398,18 @@ TEST(OutputProgram, SimulatedOutputsAreRefusedBeforeAFolderIsMade) {
   }
 }
 
+TEST(OutputProgram, FoldersOfScansAreMadeWithTheirParents) {
+  const TemporaryFolder folder;
+  const std::string recording = folder.path() / "scan.slip";
+  ASSERT_EQ(run_program({"simulate", recording, "--camera", "64x48"}).exit_code, 0);
+
+  for (const char* const name : {"new/run", "newer/"}) {
+    const ProgramRun run = run_program({"convert", recording, "-o", folder.path() / name});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_GT(entries_in(folder.path() / name), 0);
+  }
+}
+
 TEST(OutputProgram, ManifestOfOutputsListsFilesOnly) {
   const TemporaryFolder folder;
   copy_simulated_scan({"--camera", "64x48"}, folder.path() / "scan");

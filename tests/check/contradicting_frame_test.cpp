@@ -8,6 +8,7 @@
 
 #include "slipstream/check.h"
 #include "slipstream/strategy.h"
+#include "slipstream/virtual_world.h"
 #include "tests/check/mistakes.h"
 #include "tests/check/scene_scan.h"
 
@@ -58,7 +59,8 @@ TEST(ContradictingFrame, IsNoneIfTwoWereShaken) {
 // Neither one frame nor a displacement explains these: blur and edges of the object remain.
 TEST(ContradictingFrame, AreToldTogetherIfTwoWereShaken) {
   for (const char* const scene : {"statue", "boxes"}) {
-    const Scan right = scene_scan(scene, make_strategy("pmp", {{"steps", 6}}));
+    Scan right = scene_scan(scene, make_strategy("pmp", {{"steps", 6}}));
+    right.scanner->photometry.response = MeasuredResponse{PowerLaw{1}, 1, 0.01};
     EXPECT_TRUE(check_scan(right).findings.empty()) << scene;
 
     for (const int columns : {2, 4}) {
@@ -66,6 +68,17 @@ TEST(ContradictingFrame, AreToldTogetherIfTwoWereShaken) {
       ASSERT_FALSE(found.empty()) << scene << ", " << columns;
       EXPECT_EQ(found.front().kind, FindingKind::pattern_mismatch) << text_of(found.front());
     }
+  }
+}
+
+// Blur takes harmonics of an unknown response away, most where periods are fine.
+TEST(ContradictingFrame, IsNotSaidOfFinePeriodsThroughAResponse) {
+  for (const double periods : {4, 12, 24}) {
+    const VirtualWorld world =
+        virtual_world({.scene = "boxes", .camera = {320, 240}, .world = "harsh,no-flicker"});
+    const Strategy strategy = make_strategy("pmp", {{"steps", 6}, {"frequency", periods}});
+    const std::string text = told(findings_of(world, strategy));
+    EXPECT_EQ(text.find("contradict"), std::string::npos) << periods << ": " << text;
   }
 }
 

@@ -11,7 +11,9 @@
 #include <tiffio.h>
 
 #include "io/image_file.h"
+#include "io/pictures.h"
 #include "slipstream/error.h"
+#include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 
 namespace slipstream::frame_pictures_test {
@@ -124,6 +126,11 @@ TEST(FramePictures, InColourAreReadByTheChosenChannelWithoutAWarning) {
   EXPECT_EQ(level_of(red, 7), 20);
   EXPECT_TRUE(red.warnings.empty());
   EXPECT_THROW(grey_channel_named("infrared"), Error);
+}
+
+TEST(FramePictures, OfRealNumbersCountAsTheyAreKept) {
+  require_readable(largest_picture, 3, 32);
+  expect_error([] { require_readable(largest_picture, 4, 32); }, {"4 frames of 1280000000 bytes"});
 }
 
 }  // namespace slipstream::frame_pictures_test

@@ -17,7 +17,6 @@
 #include <tiffio.h>
 
 #include "io/file.h"
-#include "io/pictures.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 
@@ -198,11 +197,6 @@ TEST(ImageFile, FramesFileIsLongEnoughForItsPixels) {
     write_short_tiff(tiff, compression);
     expect_error([&] { read_frames({tiff}); }, {"short.tiff", "too few for"});
   }
-}
-
-TEST(ImageFile, FramesOfRealNumbersCountAsTheyAreKept) {
-  require_readable(largest_picture, 3, 32);
-  expect_error([] { require_readable(largest_picture, 4, 32); }, {"4 frames of 1280000000 bytes"});
 }
 
 TEST(ImageFile, FramesTilesReachNotFarBeyondThePicture) {

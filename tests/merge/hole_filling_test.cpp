@@ -90,6 +90,29 @@ TEST(HoleFilling, FillsRimsOfAnyForm) {
   EXPECT_NEAR(volume_of(mesh), 4.0 / 3 * std::numbers::pi * radius * radius * radius, 250);
 }
 
+// The base of a part is as wide as the part: its surface runs straight or outwards to the rim.
+TEST(HoleFilling, ClosesTheBaseOfAPart) {
+  for (const float flare : {0.0F, 0.4F}) {
+    FusedModel model{.spacing = spacing};
+    for (float z = 0; z <= 20; z += spacing / 2) {
+      const float wide = 8 + flare * z;
+      const int around = static_cast<int>(4 * std::numbers::pi * wide / spacing);
+      for (int i = 0; i < around; ++i) {
+        const float turn = 2 * std::numbers::pi_v<float> * static_cast<float>(i) / around;
+        const Eigen::Vector3f out(std::cos(turn), std::sin(turn), 0);
+        model.points.push_back({.position = wide * out + z * Eigen::Vector3f::UnitZ(),
+                                .normal = (out - flare * Eigen::Vector3f::UnitZ()).normalized(),
+                                .views = 1});
+      }
+    }
+
+    ModelMesh mesh = mesh_of(model);
+    EXPECT_EQ(fill_holes(mesh, 60), 2) << flare;
+    EXPECT_EQ(open_edges(mesh), 0) << flare;
+    EXPECT_GT(volume_of(mesh), 0.8 * std::numbers::pi * 64 * 20) << flare;
+  }
+}
+
 TEST(HoleFilling, LeavesAWholeMeshAndAnEmptyOneAsTheyAre) {
   ModelMesh whole = sphere_with_holes({});
   const auto triangles = whole.triangles;

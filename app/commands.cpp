@@ -164,10 +164,10 @@ fs::path plain_folder(const fs::path& folder) {
   return (fs::absolute(folder) / "").lexically_normal();
 }
 
-/// Refuses an output that is no file, or whose folder takes none, before any work. `made`: folders
-/// that the command makes.
-void require_writable(const std::string& path, const std::set<fs::path>& made) {
-  const fs::path parent = output_target(path).parent_path();
+/// Refuses a file that cannot be written to its folder. `made`: folders that the command makes.
+void require_writable(const std::string& path, const fs::path& target,
+                      const std::set<fs::path>& made) {
+  const fs::path parent = target.parent_path();
   const fs::path folder = parent.empty() ? fs::path(".") : parent;
 
   // The name of a folder may be known only with the scan.
@@ -238,11 +238,16 @@ void require_distinct_files(const CLI::App& command) {
       return;
     }
 
-    // Names without an ending are folders of convert's scans, which it makes. The outputs of a plan
-    // are written by other commands, maybe on other machines.
-    const bool is_folder = lower_case_extension(path).empty();
+    // Devices, pipes and folders are refused before any work, and so are files in a folder that
+    // takes none. Names without an ending are folders of convert's scans, which it makes with their
+    // parents. The outputs of a plan are written later, maybe on other machines.
+    std::error_code unknown;
+    const bool has_ending = !lower_case_extension(path).empty();
     const bool is_of_plan = command.get_option_no_throw("--plan") != nullptr;
-    if (path != standard_output && !is_folder && !is_of_plan) require_writable(path, made);
+    if (path != standard_output && (has_ending || !fs::is_directory(path, unknown))) {
+      const fs::path target = output_target(path);
+      if (has_ending && !is_of_plan) require_writable(path, target, made);
+    }
     type == scanner_output_type ? files.add_scanner_output(path) : files.add_output(path);
   });
 }

@@ -46,7 +46,7 @@ std::string written_by(const CLI::Option& option, const std::string& value);
 
 /// Throws Error if an output of the command is also an input, if two outputs are the same file, or
 /// for standard_output where the command does not write to it. Throws WorldError if an output is a
-/// device or a pipe.
+/// device, a pipe or a folder, or lies in a folder that takes no files.
 void require_distinct_files(const CLI::App& command);
 
 /// Says so if a scan in the folder will be replaced.

@@ -98,10 +98,23 @@ void write_files(const ReconstructFlags& flags, const ReconstructedScan& scan) {
                  .frame = frame});
 }
 
+/// Median depth of the points, mm, from 40,000 pixels; without points as the check found it, which
+/// knows far fewer.
+double median_depth_of(const ScanResult& result) {
+  const Image<float>& z = result.cloud.z;
+  const std::size_t step = z.pixel_count() / 40'000 + 1;
+  std::vector<double> depths;
+  for (std::size_t i = 0; i < z.pixel_count(); i += step) {
+    if (std::isfinite(z.begin()[i])) depths.push_back(z.begin()[i]);
+  }
+  return depths.empty() ? result.checked.median_depth : median(std::move(depths));
+}
+
 /// Warns of the findings after the first `printed` ones, and compares the points with the truth.
 void judge(const ReconstructFlags& flags, std::size_t printed, ReconstructedScan& scan) {
   warn_of_findings(scan.result.checked.findings, printed, text_of(scan.name), scan.held);
   scan.files = files_of_scan(flags.files, scan.name);
+  scan.median_depth = median_depth_of(scan.result);
   if (scan.output == ScanOutput::points) {
     scan.rms = error_against_truth(scan.name.path, scan.result.cloud);
   }
@@ -165,16 +178,6 @@ void require_possible(const ReconstructFlags& flags, const LoadedScan& loaded, b
            "--reflection-map needs --reflection or --local-reflection");
 }
 
-/// Median of every n-th depth, 40,000 of all pixels, mm; 0 without a point.
-double median_depth(const Image<float>& z) {
-  const std::size_t step = z.pixel_count() / 40'000 + 1;
-  std::vector<double> depths;
-  for (std::size_t i = 0; i < z.pixel_count(); i += step) {
-    if (std::isfinite(z.begin()[i])) depths.push_back(z.begin()[i]);
-  }
-  return depths.empty() ? 0 : median(std::move(depths));
-}
-
 void reconstruct_scan(LoadedScan& loaded, const ReconstructFlags& flags, Reused& reused) {
   const CheckedJob& checked = loaded.job;
   ReconstructedScan& scan = loaded.scan;
@@ -188,11 +191,6 @@ void reconstruct_scan(LoadedScan& loaded, const ReconstructFlags& flags, Reused&
   ScanJob& job = reused.job_of(scan.output, flags);
   scan.result = job(checked, name);
   const ScanResult& result = scan.result;
-
-  // The check knows it of far fewer pixels.
-  if (const double depth = median_depth(result.cloud.z); depth > 0) {
-    scan.result.checked.median_depth = depth;
-  }
 
   const double minimum = flags.job.reconstruct.minimum_modulation;
   if (result.least_modulation > minimum) {

@@ -231,8 +231,8 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
       "scan", scan.name.path, "window", scan.name.window, "points", points, "pixels",
       result.cloud.validity.pixel_count(), "counts", result.counts, "backend", result.backend,
       "least_modulation", result.least_modulation, "gamma", json_of(result.gamma), "baseline_mm",
-      result.setup.scanner.translation.norm(), "median_depth_mm", result.checked.median_depth,
-      "files", scan.files.named(), "median_sigma_z_mm", scan.median_sigma, "rms_mm", scan.rms,
+      result.setup.scanner.translation.norm(), "median_depth_mm", scan.median_depth, "files",
+      scan.files.named(), "median_sigma_z_mm", scan.median_sigma, "rms_mm", scan.rms,
       "predicted_mm", prediction(&PredictedRms::with_edges), "predicted_from_noise_mm",
       prediction(&PredictedRms::of_noise), "epipolar", result.epipolar, "guard", result.guard,
       "warnings", scan.warnings, "findings", result.checked.findings, "repairs",
@@ -290,7 +290,7 @@ void tell(const ReconstructedScan& scan, Output& output) {
     output.say("  depths kept: {:.0f} to {:.0f} mm; change with --nearest, --farthest or --raw",
                nearest, farthest);
   }
-  if (const double depth = result.checked.median_depth; depth > 0) {
+  if (const double depth = scan.median_depth; depth > 0) {
     output.say("  baseline {:.4g} mm, median depth {:.4g} mm",
                result.setup.scanner.translation.norm(), depth);
   }

@@ -19,6 +19,7 @@ struct ReconstructedScan {
   ScanResult result;
   std::vector<std::string> warnings;        ///< from reading the frames
   ResultFiles files;                        ///< files written
+  double median_depth = 0;                  ///< mm; 0 if unknown
   std::optional<double> rms, median_sigma;  ///< mm
   std::optional<PredictedRms> predicted{};
   double read = 0, written = 0;  ///< time taken, s

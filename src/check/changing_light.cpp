@@ -243,7 +243,7 @@ Finding finding_of(const std::vector<FrameGain>& gains, double limit) {
   return finding;
 }
 
-/// How much brighter each frame is than the median one.
+/// How much brighter each frame is than the median one; 0 for all if noise may cause it.
 std::vector<FrameGain> relative_gains(const FrameGains& gains, const FrameGains& others) {
   std::vector<FrameGain> relative;
   std::vector<double> all;

@@ -14,8 +14,8 @@ namespace slipstream {
 std::optional<Finding> contradicting_frame(const JudgedScan& scan, const Fit& fit);
 
 /// Frames that contradict each other by more than a waveform, a single frame or a displacement of
-/// whole frames explains. Only of a single band of four steps or more, and a known
-/// response that is linear.
+/// whole frames explains. Only of a single band of four steps or more whose response is known to be
+/// linear.
 std::optional<Finding> contradicting_frames(const JudgedScan& scan, const Fit& fit);
 
 }  // namespace slipstream

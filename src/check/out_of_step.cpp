@@ -315,23 +315,24 @@ std::optional<MixedFrames> mixed_frames(const JudgedScan& scan, const Fit& fit) 
   for (const bool after : {false, true}) {
     // 1. The share that explains the frames best, or else the code.
     Mixture mixture = search.best(after);
+    const double of_code = after ? 0 : in_code;  // a code shows a share of the pattern before alone
     if (mixture.mean() < least_share && !after) mixture = search.of_code(in_code);
     if (mixture.mean() < least_share) continue;
 
     // So large a share would have taken the contrast of a code that is alone.
     constexpr double hardly_hidden = 0.45;
     const bool alone = scan.model.layout().unwrapping->whole_stripes;
-    if (alone && in_code <= most_in_code && mixture.mean() > hardly_hidden) continue;
+    if (alone && of_code <= most_in_code && mixture.mean() > hardly_hidden) continue;
 
     // 2. The scan without that share.
     const ScanSamples undone = search.undone(mixture, scan.samples);
     const Fit then =
         fit_of({scan.model, undone, scan.sequence, scan.scanner, scan.photometry, scan.settings});
-    if (!explains_better(scan, fit, then, in_code)) continue;
+    if (!explains_better(scan, fit, then, of_code)) continue;
 
     // 3. The harm done.
     return MixedFrames{then.misfit(),
-                       out_of_step(mixture, errors(scan, undone, fit, then), in_code)};
+                       out_of_step(mixture, errors(scan, undone, fit, then), of_code)};
   }
 
   return std::nullopt;

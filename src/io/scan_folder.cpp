@@ -1,10 +1,10 @@
 #include "io/scan_folder.h"
 
-#include <iterator>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <optional>
 #include <set>
 #include <string_view>
@@ -342,6 +342,7 @@ std::vector<int> order_from(const std::string& text, const Sequence& sequence) {
              "`order` '{}': expected numbers or ranges with commas between, e.g. 2,0,1 or 0-17, or "
              "sinusoids,code or code,sinusoids",
              text);
+
     throw_if(static_cast<std::size_t>(ends.back() - ends.front()) + order.size() >= most,
              "`order` '{}': more than {} frames", text, most);
     for (int frame = ends.front(); frame <= ends.back(); ++frame) order.push_back(frame);

@@ -6,12 +6,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
-#include <numeric>
 #include <optional>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
 #include <vector>
+
+#include "merge/groups.h"
 
 namespace slipstream {
 namespace {
@@ -77,8 +78,9 @@ std::vector<Rim> rims_of(const ModelMesh& mesh, const Edges& edges) {
     }
   }
 
-  // 2. Follow them back to the first. Where several lead on, the hole lies between the way here and
-  // the first beside it. More than two triangles at an edge may end a way: that is no rim.
+  // 2. Follow each edge until the way returns to it. Where several edges lead on, the one at the
+  // smallest angle belongs to the same hole. A way that ends elsewhere is no rim: the mesh has an
+  // edge with more than two triangles there.
   std::vector<Rim> rims;
   for (const auto& [first, second] : starts) {
     const bool is_known = std::ranges::count(next[first], second) == 0;
@@ -128,10 +130,12 @@ class RimFilling {
     while (rim_.size() > 3) {
       const auto sharpest = sharpest_corner();
       if (!sharpest) return std::nullopt;
+
       filled.push_back(corners_at(rim_, *sharpest));
       own_edges_.add(filled.back());
       rim_.erase(rim_.begin() + static_cast<std::ptrdiff_t>(*sharpest));
     }
+
     if (rim_.size() < 3) return std::nullopt;
     filled.push_back(corners_at(rim_, 1));
     return filled;
@@ -153,6 +157,7 @@ class RimFilling {
       const bool clear = angle < std::numbers::pi_v<float> && !lies_under_another(corners);
       const bool is_better = !sharpest || (clear != is_clear ? clear : angle < least);
       if (!is_better) continue;
+
       sharpest = i;
       least = angle;
       is_clear = clear;
@@ -202,28 +207,23 @@ float width_of(const ModelMesh& mesh, const Rim& rim) {
 std::vector<bool> floating_vertices(const ModelMesh& mesh) {
   constexpr std::size_t far_fewer = 100;  // times
 
-  // 1. The pieces: each vertex leads to the first one of its piece.
-  std::vector<std::uint32_t> next(mesh.vertices.size());
-  std::iota(next.begin(), next.end(), 0U);
-  const auto piece_of = [&](std::uint32_t vertex) {
-    while (next[vertex] != vertex) vertex = next[vertex] = next[next[vertex]];
-    return vertex;
-  };
+  // 1. The pieces.
+  Groups pieces(mesh.vertices.size());
   for (const auto& [a, b, c] : mesh.triangles) {
-    next[piece_of(b)] = piece_of(a);
-    next[piece_of(c)] = piece_of(a);
+    pieces.connect(a, b);
+    pieces.connect(a, c);
   }
 
   // 2. Their sizes.
   std::vector<std::size_t> triangles(mesh.vertices.size());
   std::size_t most = 0;
   for (const Triangle& triangle : mesh.triangles) {
-    most = std::max(most, ++triangles[piece_of(triangle[0])]);
+    most = std::max(most, ++triangles[pieces.root(triangle[0])]);
   }
 
   std::vector<bool> floats(mesh.vertices.size());
-  for (std::uint32_t vertex = 0; vertex < floats.size(); ++vertex) {
-    floats[vertex] = far_fewer * triangles[piece_of(vertex)] < most;
+  for (std::size_t vertex = 0; vertex < floats.size(); ++vertex) {
+    floats[vertex] = far_fewer * triangles[pieces.root(vertex)] < most;
   }
   return floats;
 }

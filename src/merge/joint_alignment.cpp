@@ -9,39 +9,12 @@
 #include <fmt/format.h>
 
 #include "base/statistics.h"
+#include "merge/groups.h"
 #include "merge/joint_poses.h"
 #include "merge/overlap.h"
 
 namespace slipstream {
 namespace {
-
-/// Groups of views that links connect.
-class Groups {
- public:
-  explicit Groups(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-  }
-  std::size_t root(std::size_t view) {
-    while (parent_[view] != view) view = parent_[view] = parent_[parent_[view]];
-    return view;
-  }
-  /// False if they were connected already.
-  bool connect(std::size_t a, std::size_t b) {
-    a = root(a);
-    b = root(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-    return a != b;
-  }
-  bool all_connected() {
-    for (std::size_t i = 0; i < parent_.size(); ++i) {
-      if (root(i) != 0) return false;
-    }
-    return true;
-  }
-
- private:
-  std::vector<std::size_t> parent_;
-};
 
 /// Pairs to try without a start: neighbours in the list first, then those ever farther apart.
 std::vector<std::pair<std::size_t, std::size_t>> pairs_in_order(std::size_t count) {

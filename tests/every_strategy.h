@@ -21,6 +21,7 @@ inline std::vector<Strategy> every_phase_strategy() {
           GrayPhase{},
           GrayPhase{.steps = 3, .periods = 20, .complementary = false, .shifts = elsewhere},
           GrayPhase{.steps = 5, .periods = 12, .reference = "inverse"},
+          GrayPhase{.periods = 12, .stripes = 100, .reference = "inverse"},
           GrayPhase{.periods = 16, .reference = "white-black"},
           GrayPhase{.periods = 8, .reference = "none"},
           TwoPlusOne{},

@@ -56,15 +56,19 @@ struct ExclusiveOrGray {
   [[nodiscard]] Layout layout() const;
 };
 
-/// N-step sinusoids of many periods and a Gray code for the period: Liu 2010, Eq. (1.18).
+/// N-step sinusoids of many periods and a Gray code for the period: Liu 2010, Eq. (1.18). Its
+/// stripes may also be of any smaller width.
 struct GrayPhase {
   static constexpr std::string_view name = "gray-phase";
 
   int steps = 4;
   double periods = 32;
-  std::optional<int> bits{};  ///< default: enough for a stripe per period
+  std::optional<int> bits{};  ///< default: enough for `stripes` if given, else for `periods`
+  /// Across the field, at least one per period; default: one per period, twice as many for each
+  /// further bit.
+  std::optional<double> stripes{};
   /// Adds one bit with stripes of half the width, which tolerates code edges up to a quarter of a
-  /// period from the phase wraps; default: true.
+  /// period from the phase wraps; default: true, false if `stripes` is given.
   std::optional<bool> complementary{};
   /// As in GrayCode, but "mean" and "none" are those of the sinusoids.
   std::string reference = "mean";
@@ -75,6 +79,7 @@ struct GrayPhase {
     visit_steps(self, visit);
     visit("periods", "periods of each sinusoid across the field", self.periods);
     visit("bits", "bits of the code, one frame each", self.bits);
+    visit("stripes", "number of stripes across the field", self.stripes);
     visit("complementary", "add a bit with stripes of half a period: true or false",
           self.complementary);
     visit("reference", "threshold for bright: white-black, inverse, mean or none", self.reference);

@@ -78,9 +78,14 @@ int bits_for(double periods) {
   return std::max(1, static_cast<int>(std::ceil(std::log2(periods) - 1e-9)));
 }
 
+/// Bits of GrayPhase without the complementary one.
+int bits_of(const GrayPhase& coding) {
+  return coding.bits.value_or(bits_for(coding.stripes.value_or(coding.periods)));
+}
+
 /// Bits that GrayPhase::complementary adds to the code.
-int complementary_bits(std::optional<bool> complementary) {
-  return complementary.value_or(true) ? 1 : 0;
+int complementary_bits(const GrayPhase& coding) {
+  return coding.complementary.value_or(!coding.stripes) ? 1 : 0;
 }
 
 }  // namespace
@@ -125,8 +130,8 @@ Layout ExclusiveOrGray::layout() const {
 
 void GrayPhase::require_valid() const {
   slipstream::require_valid(runs().front(), "gray-phase");
-  const int shown = bits.value_or(bits_for(periods));
-  require_known(name, shown + complementary_bits(complementary), reference);
+  const int shown = bits_of(*this);
+  require_known(name, shown + complementary_bits(*this), reference);
 
   throw_if(shown < bits_for(periods),
            "gray-phase: {} bits are too few for {:g} periods, which require {}", shown, periods,
@@ -134,15 +139,16 @@ void GrayPhase::require_valid() const {
 }
 
 Layout GrayPhase::layout() const {
-  const int shown = bits.value_or(bits_for(periods)) + complementary_bits(complementary);
+  const int added = complementary_bits(*this), shown = bits_of(*this) + added;
   const int first = runs().front().frames(), frames = first + frame_count(shown, reference);
 
   Layout layout{
       .frames = frames, .bands = {band_of(runs().front(), frames)}, .unwrapping = Unwrapping::code};
 
-  // A stripe per period, and twice the number of stripes for each further bit.
+  // By default a stripe per period, and twice the number of stripes for each further bit.
   layout.code = code_in_frames(frames, first, shown, reference);
-  layout.code->stripes = periods * std::exp2(shown - bits_for(periods));
+  const double usual = periods * std::exp2(bits_of(*this) - bits_for(periods));
+  layout.code->stripes = stripes.value_or(usual) * std::exp2(added);
 
   // The mean of the sinusoid's frames also separates bright from dark.
   if (reference == "mean" || reference == "none")

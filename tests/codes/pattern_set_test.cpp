@@ -260,12 +260,14 @@ TEST(PatternSet, LengthsMakeACodeAsLongAsItsAxisNeeds) {
                                 .settings = {{"steps", "18"}, {"reference", "inverse"}},
                                 .period_pixels = std::vector{18.0},
                                 .axes = "both"};
+  SequenceChanges both = periods;
+  both.stripe_pixels = 2;
 
   for (const auto& [projector, changes, along_x, along_y] :
        {Code{{1280, 800}, stripes, 22, 20}, Code{{1280, 720}, stripes, 22, 20},
         Code{{854, 480}, stripes, 20, 18}, Code{{640, 480}, stripes, 20, 18},
         Code{{912, 1140}, stripes, 20, 22}, Code{{1280, 800}, fixed, 22, 22},
-        Code{{1280, 800}, periods, 34, 32}}) {
+        Code{{1280, 800}, periods, 34, 32}, Code{{1280, 500}, both, 38, 34}}) {
     const Sequence sequence = default_sequence(projector, changes);
     EXPECT_EQ(frames_along_axes(sequence), (std::vector{along_x, along_y}));
     EXPECT_EQ(frame_count(sequence), along_x + along_y);

@@ -112,6 +112,20 @@ TEST(Strategy, GrayPhaseHasAllBitsOfACodeWithOrWithoutTheComplementaryOne) {
   EXPECT_THROW(Strategy(GrayPhase{.bits = most_code_bits + 1, .complementary = false}), Error);
 }
 
+TEST(Strategy, GrayPhaseTakesACodeOfItsOwnStripes) {
+  const Layout own = GrayPhase{.steps = 3, .periods = 8, .stripes = 960}.layout();
+  EXPECT_EQ(own.frames, 3 + 10);
+  EXPECT_EQ(own.code->stripes, 960);
+
+  // A complementary bit halves them, as it does without.
+  const Layout halved = GrayPhase{.periods = 8, .stripes = 300, .complementary = true}.layout();
+  EXPECT_EQ(halved.frames, 4 + 10);
+  EXPECT_EQ(halved.code->stripes, 600);
+
+  EXPECT_THROW(Strategy(GrayPhase{.periods = 8, .stripes = 7.5}), Error);
+  EXPECT_THROW(Strategy(GrayPhase{.periods = 8, .bits = 5, .stripes = 33}), Error);
+}
+
 TEST(Strategy, MicroPhaseShiftingInvertsEverySecondSingleFrame) {
   // As SLStudio draws them: cos(2 pi x / p + 2 pi n / 3), then -cos and cos in turn.
   const std::vector<double> pixels{75.02, 70.00, 71.32, 72.47};

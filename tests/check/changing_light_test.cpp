@@ -8,9 +8,12 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/check.h"
+#include "slipstream/named_scenes.h"
 #include "slipstream/strategy.h"
+#include "slipstream/virtual_world.h"
 #include "tests/check/mistakes.h"
 #include "tests/check/scene_scan.h"
+#include "tests/geometry/random_scanner.h"
 
 namespace slipstream::changing_light_test {
 
@@ -111,6 +114,34 @@ TEST(ChangingLight, FlickerByRowsIsTold) {
         << label_of(strategy) << ": " << told;
     EXPECT_EQ(light_of(scan, told, {.moving = true}).kind, Finding{}.kind) << told;
   }
+}
+
+// Along y each strip of rows sees other places of the patterns. Blur makes them fainter, which
+// looked like another gain in each strip.
+TEST(ChangingLight, BlurredPatternsAlongYAreNotCalledFlicker) {
+  int scans = 0;
+  for (unsigned seed = 1; seed <= 60; ++seed) {
+    VirtualWorld world{.scanner = random_scanner(seed, 0.1, {96, 72})};
+    const Eigen::Vector3d& baseline = world.scanner.translation;
+    if (std::abs(baseline.x()) > std::abs(baseline.y())) continue;
+
+    world.scene = scene_named("board", world.scanner);
+    world.photometry = photometry_named("bench,no-response");
+    world.photometry.physics.bounces = 0;
+    world.photometry.bits = 10;
+
+    const Sequence sequence{.strategy = make_strategy("pcmp", {{"steps", 5}}),
+                            .axis = Axis::y,
+                            .projector = world.scanner.projector.size};
+    Scan scan{.sequence = sequence, .scanner = as_calibrated(world)};
+    scan.frames =
+        take_scan(world.scanner, world.scene, pattern_set(sequence), world.photometry).frames;
+
+    std::string told;
+    EXPECT_NE(light_of(scan, told).kind, FindingKind::changing_light) << seed << ": " << told;
+    ++scans;
+  }
+  EXPECT_GE(scans, 3);
 }
 
 // Bits that are darker than other frames as a whole are not mixed with the bit before.

@@ -135,6 +135,12 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
     return result;
   }
 
+  if (scanner) {
+    if (auto padded = padded_pictures(frames, scanner->camera)) {
+      result.findings.push_back(std::move(*padded));
+    }
+  }
+
   CheckSettings with_motion = settings;
   with_motion.moving = settings.moving || measuring_band(model.layout()).cycle.has_value();
   if (samples.groups() < ScanSamples::fewest_groups) return result;

@@ -1,5 +1,6 @@
 #include "check/scanner_faults.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 
@@ -31,7 +32,80 @@ void look_at_lens(const Lens& lens, FindingKind kind, std::string_view device, d
        .remedies = {{fmt::format("use {} pictures of the calibrated size", device)}}});
 }
 
+/// The part of the pictures left of and above a border of one level, the same in all frames; the
+/// whole along an axis without a border, or where the border begins at the other end.
+template <class Views>
+Size part_without_border(const Views& views, Size size) {
+  const auto level = views.front()(size.width - 1, size.height - 1);
+  const auto differs = [&](int column, int row) {
+    return std::ranges::any_of(views, [&](const auto& view) { return view(column, row) != level; });
+  };
+
+  // Number of pixels of a column, or of a row, that differ from the border; stops at `enough`.
+  Size part = size;
+  const auto in_column = [&](int column, int enough) {
+    int found = 0;
+    for (int row = 0; row < part.height && found < enough; ++row) {
+      if (differs(column, row)) ++found;
+    }
+    return found;
+  };
+  const auto in_row = [&](int row, int enough) {
+    int found = 0;
+    for (int column = 0; column < part.width && found < enough; ++column) {
+      if (differs(column, row)) ++found;
+    }
+    return found;
+  };
+
+  while (part.width > 0 && in_column(part.width - 1, 1) == 0) --part.width;
+  while (part.height > 0 && in_row(part.height - 1, 1) == 0) --part.height;
+  if (part.width == 0 || part.height == 0) return size;
+
+  // Half of the pixels beside the border must differ from it (real scans, cropped: 0.94). The end
+  // of a dark background is not so straight.
+  const int half_height = part.height / 2, half_width = part.width / 2;
+  const bool is_column =
+      in_column(0, 1) > 0 && in_column(part.width - 1, half_height) == half_height;
+  const bool is_row = in_row(0, 1) > 0 && in_row(part.height - 1, half_width) == half_width;
+  if (!is_column) part.width = size.width;
+  if (!is_row) part.height = size.height;
+  return part;
+}
+
 }  // namespace
+
+std::optional<Finding> padded_pictures(const FrameViews& frames, const Lens& camera) {
+  constexpr double least_border = 0.02;  // of the width or height
+  const Size size = frames.size();
+  const Size part =
+      frames.visit([&](const auto& views) { return part_without_border(views, size); });
+
+  // A camera that always pads its pictures is calibrated with its axis in the part's centre.
+  const auto is_padded = [](int length, int whole, double axis) {
+    return whole - length >= least_border * whole &&
+           std::abs(axis - whole / 2.0) < std::abs(axis - length / 2.0);
+  };
+
+  if (!is_padded(part.width, size.width, camera.intrinsic(0, 2)) &&
+      !is_padded(part.height, size.height, camera.intrinsic(1, 2))) {
+    return std::nullopt;
+  }
+
+  return Finding{
+      .kind = FindingKind::off_centre_camera,
+      .what =
+          fmt::format("the pictures end in a border of one grey level, over {:g} % of the width "
+                      "or height, and the camera's optical axis is not in the middle of the rest",
+                      100 * least_border),
+      .evidence = {{"columns without the border", static_cast<double>(part.width)},
+                   {"rows without the border", static_cast<double>(part.height)}},
+      .causes = {{CauseKind::picture_size,
+                  "pictures of a region of the sensor, padded to full size: unless it begins at "
+                  "the sensor's corner, no pixel is where it was calibrated"}},
+      .remedies = {{"capture whole pictures, or cut off the border and name the region with "
+                    "`camera_region`"}}};
+}
 
 std::vector<Finding> check_scanner(const Scanner& scanner, bool whole_pictures) {
   std::vector<Finding> findings;

@@ -1,15 +1,22 @@
 #include "check/scanner_faults.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <filesystem>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "check/geometric_mistakes.h"
 #include "check/method_limits.h"
+#include "slipstream/check.h"
 #include "slipstream/named_scenes.h"
 #include "slipstream/strategy.h"
+#include "tests/check/mistakes.h"
+#include "tests/check/real_sets.h"
+#include "tests/check/scene_scan.h"
 
 namespace slipstream::scanner_faults_test {
 
@@ -68,6 +75,66 @@ TEST(ScannerFaults, OfAFileFromProjectorToCameraAreMendedByInvertingIt) {
   ASSERT_NE(inverted, mistakes.end());
   EXPECT_TRUE(inverted->scanner->rotation.isApprox(right.rotation));
   EXPECT_TRUE(inverted->scanner->translation.isApprox(right.translation));
+}
+
+/// The scan with its pictures moved to the left and up by shares of their size, and one grey level
+/// where they end; `at_its_place`: not moved.
+Scan padded(Scan scan, double across, double down, bool at_its_place = false) {
+  const Size size = scan.frames.size();
+  const int columns = static_cast<int>(across * size.width);
+  const int rows = static_cast<int>(down * size.height);
+
+  Pictures pictures = pictures_of(scan);
+  for (Image<std::uint8_t>& picture : pictures) {
+    Image<std::uint8_t> moved(size);
+    for (int row = 0; row < size.height - rows; ++row) {
+      for (int column = 0; column < size.width - columns; ++column) {
+        moved(column, row) =
+            at_its_place ? picture(column, row) : picture(column + columns, row + rows);
+      }
+    }
+    picture = std::move(moved);
+  }
+  scan.frames = FrameSet(std::move(pictures));
+  return scan;
+}
+
+/// Pixels without the border, columns and rows; empty if the check finds none.
+std::vector<double> part_told(const Scan& scan) {
+  std::vector<double> part;
+  for (const Finding& finding : check_scan(scan).findings) {
+    if (!finding.what.starts_with("the pictures end in a border")) continue;
+    for (const Evidence& evidence : finding.evidence) part.push_back(evidence.value);
+  }
+  return part;
+}
+
+TEST(ScannerFaults, RegionsPaddedToFullSizeAreTold) {
+  using Part = std::vector<double>;
+  const Scan right = scene_scan("statue", make_strategy("dual-frequency", {{"steps", 4}}));
+
+  EXPECT_EQ(part_told(right), Part());
+  EXPECT_EQ(part_told(padded(right, 0.25, 0.2)), (Part{240, 192}));
+  EXPECT_EQ(part_told(padded(right, 0.25, 0)), (Part{240, 240}));
+  EXPECT_EQ(part_told(padded(right, 0, 0.2)), (Part{320, 192}));
+}
+
+TEST(ScannerFaults, RegionsOfARealScanPaddedToFullSizeAreTold) {
+  if (!std::filesystem::exists(shared_data())) GTEST_SKIP() << shared_data() << " is not there";
+
+  const Scan right = skull();
+  EXPECT_EQ(part_told(right), std::vector<double>());
+  EXPECT_EQ(part_told(padded(right, 0.25, 0.25)), (std::vector<double>{1266, 1014}));
+}
+
+// A camera that pads all its pictures is calibrated with them: its axis is in the middle of the
+// rest.
+TEST(ScannerFaults, PicturesThatWereCalibratedWithTheirBorderAreLeftInPeace) {
+  Scan scan = padded(scene_scan("statue", make_strategy("dual-frequency", {{"steps", 4}})), 0.25,
+                     0.2, true);
+  scan.scanner->camera.intrinsic(0, 2) *= 0.75;
+  scan.scanner->camera.intrinsic(1, 2) *= 0.8;
+  EXPECT_EQ(part_told(scan), std::vector<double>());
 }
 
 }  // namespace slipstream::scanner_faults_test

@@ -104,16 +104,33 @@ Scanner scanner_from(const py::kwargs& kwargs) {
   return scanner;
 }
 
-/// In the order of cv2.stereoCalibrate's results.
+/// From results of cv2.stereoCalibrate in its order; `camera_matrix` may hold all of them.
 Scanner scanner_from_opencv(const py::object& camera_matrix, const py::object& camera_distortion,
                             const py::object& projector_matrix,
                             const py::object& projector_distortion, const py::object& rotation,
                             const py::object& translation, Size camera_size, Size projector_size) {
-  return scanner_from(py::dict(
-      "camera_matrix"_a = camera_matrix, "camera_distortion"_a = camera_distortion,
-      "projector_matrix"_a = projector_matrix, "projector_distortion"_a = projector_distortion,
-      "rotation"_a = rotation, "translation"_a = translation, "camera_size"_a = camera_size,
-      "projector_size"_a = projector_size));
+  py::dict named("camera_matrix"_a = camera_matrix, "camera_distortion"_a = camera_distortion,
+                 "projector_matrix"_a = projector_matrix,
+                 "projector_distortion"_a = projector_distortion, "rotation"_a = rotation,
+                 "translation"_a = translation);
+
+  // All results: the RMS comes before the values that are named here, E and F come after them.
+  constexpr std::size_t result_count = 9;
+  if (py::isinstance<py::tuple>(camera_matrix) && py::len(camera_matrix) >= result_count) {
+    int at = 0;
+    for (const auto& [name, value] : named) {
+      throw_if(at > 0 && !value.is_none(), "{}: the results of cv2.stereoCalibrate have it already",
+               name.cast<std::string>());
+      named[name] = camera_matrix[py::int_(++at)];
+    }
+  }
+
+  // Those left out are missing, except a distortion.
+  py::dict given("camera_size"_a = camera_size, "projector_size"_a = projector_size);
+  for (const auto& [name, value] : named) {
+    if (!value.is_none()) given[name] = value;
+  }
+  return scanner_from(given);
 }
 
 template <auto Device>
@@ -213,22 +230,27 @@ void bind_scanner_properties(py::class_<Scanner>& scanner) {
 }
 
 void bind_opencv(py::class_<Scanner>& scanner) {
-  scanner.def_static("from_opencv", &scanner_from_opencv, "camera_matrix"_a, "camera_distortion"_a,
-                     "projector_matrix"_a, "projector_distortion"_a, "rotation"_a, "translation"_a,
+  const py::none none;
+  scanner.def_static("from_opencv", &scanner_from_opencv, "camera_matrix"_a,
+                     "camera_distortion"_a = none, "projector_matrix"_a = none,
+                     "projector_distortion"_a = none, "rotation"_a = none, "translation"_a = none,
                      py::kw_only(), "camera_size"_a, "projector_size"_a, R"(
-      A scanner from the results of `cv2.stereoCalibrate`, with the camera as its first device.
+      A scanner from the results of `cv2.stereoCalibrate`.
 
-      If the projector was the first device, exchange both and give `R.T` and `-R.T @ T`. The board
-      must have been described in mm.
+      Its first device, `imagePoints1`, must be the camera and its second one, `imagePoints2`, the
+      projector, so that R and T lead from the camera's frame to the projector's. If the projector
+      was the first, exchange both and give `R.T` and `-R.T @ T`. The board must have been described
+      in mm.
 
       Args:
-          camera_matrix (ArrayLike): 3 x 3, pixels.
-          camera_distortion (ArrayLike | None): 4, 5, 8, 12 or 14 coefficients in a row or column;
-              None: without distortion.
-          projector_matrix (ArrayLike): 3 x 3, pixels.
-          projector_distortion (ArrayLike | None): as `camera_distortion`.
-          rotation (ArrayLike): R, 3 x 3.
-          translation (ArrayLike): T, mm, 3 x 1.
+          camera_matrix (ArrayLike | tuple[Any, ...]): K1, 3 x 3, pixels; or all results at once:
+              RMS, K1, d1, K2, d2, R, T, E, F.
+          camera_distortion (ArrayLike | None): d1, 4, 5, 8, 12 or 14 coefficients in a row or
+              column; None: without distortion.
+          projector_matrix (ArrayLike | None): K2, 3 x 3, pixels.
+          projector_distortion (ArrayLike | None): d2, as `camera_distortion`.
+          rotation (ArrayLike | None): R, 3 x 3.
+          translation (ArrayLike | None): T, mm, 3 x 1.
           camera_size (tuple[int, int]): width and height, pixels.
           projector_size (tuple[int, int]): width and height, pixels.
 

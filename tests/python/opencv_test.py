@@ -52,6 +52,38 @@ def test_results_of_stereo_calibration_are_in_its_order():
     ).translation == pytest.approx([-100, 0, 10])
     with pytest.raises(TypeError, match="Scanner.from_opencv.*: camera_size is missing"):
         slipstream.Scanner.from_opencv(*RESULTS.values())
+    with pytest.raises(TypeError, match="^rotation is missing$"):
+        slipstream.Scanner.from_opencv(CAMERA, None, PROJECTOR, **SIZES)
+
+
+def test_all_results_of_stereo_calibration_go_in_at_once():
+    results = (0.3, *RESULTS.values(), numpy.zeros((3, 3)), numpy.zeros((3, 3)))
+    assert slipstream.Scanner.from_opencv(results, **SIZES) == made()
+    with pytest.raises(slipstream.Error, match="^rotation: the results .* have it already$"):
+        slipstream.Scanner.from_opencv(results, rotation=numpy.eye(3), **SIZES)
+
+
+def test_what_opencv_returns_goes_in():
+    cv2 = pytest.importorskip("cv2", reason="package cv2 is not installed")
+    board = numpy.float32([(20 * i, 20 * j, 0) for j in range(6) for i in range(9)])
+    seen = {"camera": [], "projector": []}
+    turns = numpy.random.default_rng(1).uniform(-0.4, 0.4, (8, 3))
+    for turn in turns:
+        place = cv2.Rodrigues(turn)[0] @ board.T + [[-80], [-50], [700]]
+        for device, moved in [("camera", place), ("projector", place + RESULTS["translation"])]:
+            lens = RESULTS[f"{device}_matrix"], RESULTS[f"{device}_distortion"]
+            seen[device].append(cv2.projectPoints(moved, *numpy.zeros((2, 3)), *lens)[0])
+
+    seen = {device: numpy.float32(corners) for device, corners in seen.items()}
+    results = cv2.stereoCalibrate(
+        [board] * len(turns), seen["camera"], seen["projector"], CAMERA,
+        RESULTS["camera_distortion"], PROJECTOR, RESULTS["projector_distortion"],
+        SIZES["camera_size"], flags=cv2.CALIB_FIX_INTRINSIC)
+
+    scanner = slipstream.Scanner.from_opencv(results, **SIZES)
+    assert scanner.translation == pytest.approx([-100, 0, 10], abs=0.05)
+    assert scanner.camera_distortion[:5] == list(RESULTS["camera_distortion"][0])
+    assert scanner.projector_matrix == pytest.approx(PROJECTOR)
 
 
 @pytest.mark.parametrize("name, value, message", [

@@ -22,7 +22,8 @@ struct CheckFlags {
 void tell_scanner(const std::string& folder, const Scanner& scanner, const ScanCheck& result,
                   Output& output) {
   const double baseline = scanner.translation.norm(), depth = result.checked.median_depth;
-  output.say("{}: baseline {:.4g} mm, median depth {:.4g} mm", folder, baseline, depth);
+  output.say("{}: baseline {:.4g} mm, median depth of the pixels checked {:.4g} mm", folder,
+             baseline, depth);
   if (result.guard) tell_guard(*result.guard, folder + ": ", output);
   describe(output.list("scans").back(), "baseline_mm", baseline, "median_depth_mm", depth, "guard",
            result.guard);

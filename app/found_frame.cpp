@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -83,7 +84,8 @@ void read_pairs(const std::string& file, PointPairs& pairs) {
     if (line.empty() || line[0] == '#') continue;
 
     const std::vector<double> numbers = numbers_in<double>(line, ',');
-    throw_if(numbers.size() != 6,
+    const bool finite = std::ranges::all_of(numbers, [](double n) { return std::isfinite(n); });
+    throw_if(numbers.size() != 6 || !finite,
              "{}: line {}: expected x,y,z in the camera's frame and x,y,z in the other, mm", file,
              number);
     pairs.points.emplace_back(numbers.data());

@@ -103,8 +103,8 @@ void Output::tell_verdict(std::string_view grade, const std::string& words) {
 void Output::tell_wait(std::string_view work) {
   if (holds_ || ::isatty(STDERR_FILENO) != 1) return;
 
-  // The next line is written over it.
-  fmt::print(stderr, "{} ...\033[K\r", printable(work));
+  // The next line is written over it. The terminal cuts it at its width: a wrapped line would stay.
+  fmt::print(stderr, "\033[?7l{} ...\033[K\033[?7h\r", printable(work));
   std::fflush(stderr);
   waits_ = true;
 }
@@ -185,8 +185,8 @@ void Progress::draw() {
   const std::chrono::duration<double> past = drawn_at_ - start_;
   const double rate = static_cast<double>(done_ - done_before_) / past.count();
 
-  fmt::print(stderr, "\r{} [{:#<{}}{:.<{}}] {}/{}{}\033[K", label_, "", filled, "", width - filled,
-             done_, total_,
+  fmt::print(stderr, "\r\033[?7l{} [{:#<{}}{:.<{}}] {}/{}{}\033[K\033[?7h", label_, "", filled, "",
+             width - filled, done_, total_,
              rate == 0 ? ""
                        : fmt::format(", {:.3g}/s, {:.0f} s left", rate,
                                      static_cast<double>(total_ - done_) / rate));

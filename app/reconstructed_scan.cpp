@@ -291,8 +291,9 @@ void tell(const ReconstructedScan& scan, Output& output) {
                nearest, farthest);
   }
   if (const double depth = scan.median_depth; depth > 0) {
-    output.say("  baseline {:.4g} mm, median depth {:.4g} mm",
-               result.setup.scanner.translation.norm(), depth);
+    output.say("  baseline {:.4g} mm, median depth of the {} {:.4g} mm",
+               result.setup.scanner.translation.norm(),
+               result.counts[0] > 0 ? "points" : "pixels checked", depth);
   }
 
   // Errors: true, epipolar and predicted.

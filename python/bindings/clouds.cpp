@@ -46,12 +46,13 @@ ArrayOf<float> as_one_row(const ArrayOf<float>& array) {
 std::shared_ptr<HeldCloud> cloud_from(const ArrayOf<float>& points,
                                       const std::optional<ArrayOf<float>>& intensity,
                                       const std::optional<std::string>& frame) {
+  throw_if((points.ndim() != 2 && points.ndim() != 3) || points.shape(points.ndim() - 1) != 3,
+           "points: {}; expected rows x columns x 3, or N x 3", shown(points));
+
   if (points.ndim() == 2) {
     const bool is_list = intensity && intensity->ndim() == 1;
     return cloud_from(as_one_row(points), is_list ? as_one_row(*intensity) : intensity, frame);
   }
-  throw_if(points.ndim() != 3 || points.shape(2) != 3,
-           "points: {}; expected rows x columns x 3, or N x 3", shown(points));
 
   const auto axis = [&](int i) {
     return image_from(ArrayOf<float>(points[py::make_tuple(py::ellipsis(), i)]));

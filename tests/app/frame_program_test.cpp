@@ -270,6 +270,8 @@ TEST_F(FrameProgram, FindsAFrameFromPointsAndSaysTheResiduals) {
 
   write_file(path("pairs.csv"), "1,2,3\n");
   expect_refused({"frame", "points", "--pairs", path("pairs.csv")}, "line 1");
+  write_file(path("pairs.csv"), "1,2,3,4,5,6\n1,2,nan,4,5,6\n");
+  expect_refused({"frame", "points", "--pairs", path("pairs.csv")}, "line 2");
   expect_refused({"frame", "points", path("scan")}, "no points");
 }
 

@@ -4,9 +4,9 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
-#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -104,11 +104,11 @@ struct VirtualScan {
 /// alpha (I^p + beta) + beta + w, Eq. (3.2), I^p times the pattern's exposure, and 0 in the
 /// projector's shadow and outside its field. Without Physics::projector_pixels, patterns are exact,
 /// neither sampled by projector pixels nor quantised; binary ones use their pictures. Throws Error
-/// if the scanner or the photometry is invalid. Once `stop` is requested, returns soon, with frames
-/// that are incomplete.
+/// if the scanner or the photometry is invalid. `stopped`, if given, is asked often, by several
+/// threads: once it says true, the function returns soon, with frames that are incomplete.
 VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
                       const Photometry& photometry = {}, double time = 0,
-                      const std::stop_token& stop = {});
+                      const std::function<bool()>& stopped = {});
 
 /// Frames of the scene of `scan`, at the same time, with other patterns or light. Reuses the traced
 /// rays, with their number, blur and bounces. Throws Error if the photometry is invalid.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <iterator>
 #include <optional>
-#include <stop_token>
 #include <vector>
 
 #include "base/thread_priority.h"
@@ -22,9 +21,9 @@ FrameFormat format_of(const ReelScript& script) {
   return {script.scanner.camera.size, *script.photometry.bits};
 }
 
-/// Calls `take` with each frame and its index, until a stop is requested. Traces the rays for
+/// Calls `take` with each frame and its index, until `stopped` says true. Traces the rays for
 /// the first frame, and again only if the scene moves within an exposure.
-void render(const ReelScript& script, const Moment& moment, const std::stop_token& stop,
+void render(const ReelScript& script, const Moment& moment, const std::function<bool()>& stopped,
             const std::function<void(std::size_t, Frame)>& take) {
   std::optional<VirtualScan> seen;
   for (const std::size_t k : moment.frames) {
@@ -37,14 +36,14 @@ void render(const ReelScript& script, const Moment& moment, const std::stop_toke
     if (seen) {
       frame = first_frame(take_again(*seen, pattern, light));
     } else {
-      seen = take_scan(script.scanner, moment.scene, pattern, light, moment.time, stop);
+      seen = take_scan(script.scanner, moment.scene, pattern, light, moment.time, stopped);
       frame = first_frame(seen->frames);
     }
 
     frame.stamp.sequence = k;
     frame.stamp.pattern_index = static_cast<int>(script.patterns[k]);
 
-    if (stop.stop_requested()) return;
+    if (stopped()) return;
     take(k, std::move(frame));
   }
 }
@@ -57,8 +56,9 @@ Reel rendered(const ReelScript& script) {
             .order = script.order,
             .enough = script.enough};
   for (const Moment& moment : script.moments) {
-    render(script, moment, {},
-           [&](std::size_t k, Frame frame) { reel.frames[k] = std::move(frame); });
+    render(
+        script, moment, [] { return false; },
+        [&](std::size_t k, Frame frame) { reel.frames[k] = std::move(frame); });
   }
 
   return reel;
@@ -74,11 +74,10 @@ RenderedReel::RenderedReel(ReelScript script, std::function<void(double)> progre
       frames_(script.patterns.size()),
       is_rendered_(script.patterns.size(), false) {
   // Renders in the background; a failure is kept for the reader to receive.
-  thread_ = std::jthread([this, script = std::move(script),
-                          progress = std::move(progress)](const std::stop_token& stop) {
+  thread_ = std::thread([this, script = std::move(script), progress = std::move(progress)] {
     let_others_go_first();
     try {
-      render(script, progress, stop);
+      render(script, progress);
     } catch (...) {
       const std::lock_guard lock(mutex_);
       failure_ = std::current_exception();
@@ -102,10 +101,12 @@ RenderedReel::RenderedReel(Reel reel)
   }
 }
 
-RenderedReel::~RenderedReel() = default;
+RenderedReel::~RenderedReel() {
+  ending_ = true;
+  if (thread_.joinable()) thread_.join();
+}
 
-void RenderedReel::render(const ReelScript& script, const std::function<void(double)>& progress,
-                          const std::stop_token& stop) {
+void RenderedReel::render(const ReelScript& script, const std::function<void(double)>& progress) {
   std::size_t count = 0;
   // A frame is in place before it is marked as rendered.
   const auto take = [&](std::size_t k, Frame frame) {
@@ -115,9 +116,10 @@ void RenderedReel::render(const ReelScript& script, const std::function<void(dou
     changed_.notify_all();
   };
 
+  const auto stopped = [this] { return ending_.load(); };
   for (const Moment& moment : script.moments) {
-    slipstream::render(script, moment, stop, take);
-    if (stop.stop_requested()) return;
+    slipstream::render(script, moment, stopped, take);
+    if (ending_) return;
     count += moment.frames.size();
     if (progress) {
       progress(static_cast<double>(count) / static_cast<double>(script.patterns.size()));

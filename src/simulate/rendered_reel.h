@@ -1,12 +1,12 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <exception>
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <stop_token>
 #include <thread>
 #include <vector>
 
@@ -77,8 +77,7 @@ class RenderedReel {
   [[nodiscard]] bool has(std::size_t first, std::size_t last) const;
 
  private:
-  void render(const ReelScript& script, const std::function<void(double)>& progress,
-              const std::stop_token& stop);
+  void render(const ReelScript& script, const std::function<void(double)>& progress);
 
   /// The caller holds the mutex.
   [[nodiscard]] bool is_rendered(std::size_t position) const;
@@ -91,7 +90,8 @@ class RenderedReel {
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
   std::exception_ptr failure_;
-  std::jthread thread_;  ///< uses the members above
+  std::atomic<bool> ending_ = false;
+  std::thread thread_;  ///< uses the members above
 };
 
 /// Steps through a reel: where its next part is not rendered yet, the scene rests for whole cycles.

@@ -8,7 +8,6 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
-#include <stop_token>
 #include <vector>
 
 #include "base/parallel_rows.h"
@@ -383,17 +382,18 @@ double rolled(const Physics& physics, double row, int rows) {
 }
 
 SeenScene look(const Scanner& scanner, const Scene& scene, const Photometry& photometry,
-               double time, const std::stop_token& stop) {
+               double time, const std::function<bool()>& stopped) {
   const Size size = scanner.camera.size;
   const Onlooker onlooker{scanner, scene, photometry, time};
   SeenScene seen{size};
   Centres centres(seen, photometry.physics.bounces > 0);
 
+  const auto goes_on = [&] { return !stopped || !stopped(); };
   for_each_row(size.height, [&](int row) {
-    if (!stop.stop_requested()) look_at_centres(onlooker, row, seen, centres);
+    if (goes_on()) look_at_centres(onlooker, row, seen, centres);
   });
   for_each_row(size.height, [&](int row) {
-    if (!stop.stop_requested()) light_row(onlooker, row, centres, seen);
+    if (goes_on()) light_row(onlooker, row, centres, seen);
   });
 
   return seen;

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <functional>
 #include <span>
-#include <stop_token>
 #include <utility>
 #include <vector>
 
@@ -68,9 +67,9 @@ double rolled(const Physics& physics, double row, int rows);
 
 /// `time`: in frames, 0 at the first; of the first row for a rolling shutter. On even surfaces a
 /// pixel uses the ray through its centre, at edges the mean of `photometry.rays` rays.
-/// Once `stop` is requested, returns soon, with pixels left dark.
+/// Once `stopped` says true, returns soon, with pixels left dark.
 SeenScene look(const Scanner& scanner, const Scene& scene, const Photometry& photometry,
-               double time, const std::stop_token& stop = {});
+               double time, const std::function<bool()>& stopped = {});
 
 /// Light of positions in the projector's picture under blur, grey levels of 8 bits.
 class ProjectedLight {

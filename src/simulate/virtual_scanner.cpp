@@ -74,14 +74,14 @@ constexpr double exposed_for = 0.5;  // of a frame, with motion blur
 /// The scene during the exposure of a frame: one moment, or several with motion blur.
 std::vector<SeenScene> looks(const Scanner& scanner, const Scene& scene,
                              const Photometry& photometry, double time,
-                             const std::stop_token& stop) {
+                             const std::function<bool()>& stopped) {
   const bool blurred = photometry.physics.motion_blur && is_moving(scene);
   const int times = blurred ? 4 : 1;
 
   std::vector<SeenScene> seen;
   for (int i = 0; i < times; ++i) {
     const double later = blurred ? exposed_for * (i + 0.5) / times : 0;
-    seen.push_back(look(scanner, scene, photometry, time + later, stop));
+    seen.push_back(look(scanner, scene, photometry, time + later, stopped));
   }
 
   return seen;
@@ -113,18 +113,19 @@ void require_valid(const Photometry& photometry) {
 }
 
 VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
-                      const Photometry& photometry, double time, const std::stop_token& stop) {
+                      const Photometry& photometry, double time,
+                      const std::function<bool()>& stopped) {
   require_valid(scanner);
   require_valid(photometry);
 
   const Size projector = scanner.projector.size;
-  std::vector<SeenScene> seen = looks(scanner, scene, photometry, time, stop);
+  std::vector<SeenScene> seen = looks(scanner, scene, photometry, time, stopped);
   const auto first = std::make_shared<const SeenScene>(seen.front());
 
   // 1. The frames. With motion blur each is the mean of several moments.
   std::vector<Image<double>> exposures;
   for (int n = 0; n < patterns.count; ++n) {
-    if (n > 0 && is_moving(scene)) seen = looks(scanner, scene, photometry, time + n, stop);
+    if (n > 0 && is_moving(scene)) seen = looks(scanner, scene, photometry, time + n, stopped);
 
     Image<double> frame(scanner.camera.size);
     for (const SeenScene& now : seen) {
@@ -141,8 +142,9 @@ VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternS
   // 2. The truth half way through the exposures.
   const double exposure = photometry.physics.motion_blur ? exposed_for : 0;
   const double middle = time + 0.5 * (patterns.count - 1 + exposure);
-  const SeenScene truth =
-      middle > time && is_moving(scene) ? look(scanner, scene, photometry, middle, stop) : *first;
+  const SeenScene truth = middle > time && is_moving(scene)
+                              ? look(scanner, scene, photometry, middle, stopped)
+                              : *first;
 
   Image<double> coordinate = patterns.axis == Axis::x ? truth.lit_column : truth.lit_row;
   for (double& position : coordinate) position /= length_along(patterns.axis, projector);

@@ -65,6 +65,21 @@ Eigen::MatrixXd complement_of(const Strategy& strategy, const Layout& layout) {
   return all;
 }
 
+/// The steps whose correction the phases of a band need, then of its mirrored sinusoids.
+std::vector<StepRun> steps_to_correct(const Band& band, const PhaseCorrections& corrections) {
+  const auto run = bent_run(band);
+  const int steps = run ? run->steps : 1;
+  const int corrected = corrections.contains(steps) ? steps : 0;
+
+  std::vector<StepRun> all{{.steps = corrected, .shifts = run ? run->shifts : Shifts{}}};
+  for (const Band& mirrored : band.mirrored) {
+    const auto of_mirrored = bent_run(mirrored);
+    all.push_back({.steps = corrected, .shifts = of_mirrored ? of_mirrored->shifts : Shifts{}});
+  }
+
+  return all;
+}
+
 }  // namespace
 
 FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& photometry,
@@ -72,7 +87,6 @@ FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& p
     : sequence_(sequence),
       layout_(sequence.strategy.layout()),
       photometry_(photometry),
-      corrected_steps_(layout_.bands.size()),
       chain_(coarse_to_fine(layout_)),
       identity_(layout_.frames),
       complement_(complement_of(sequence.strategy, layout_)) {
@@ -81,11 +95,7 @@ FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& p
   if (photometry.response) correct_for(photometry.response->response, same_light);
 
   // The correction that each band's steps need, if any.
-  for (std::size_t b = 0; b < layout_.bands.size(); ++b) {
-    const auto run = bent_run(layout_.bands[b]);
-    const int steps = run ? run->steps : 1;
-    if (corrections_.contains(steps)) corrected_steps_[b] = steps;
-  }
+  for (const Band& band : layout_.bands) corrected_.push_back(steps_to_correct(band, corrections_));
 
   // No band unwraps another here: only the measuring one is compared.
   if (order_source(layout_) == OrderSource::pixel) {
@@ -129,29 +139,28 @@ void FrameModel::correct_for(const Response& response, const FrameModel* same_li
 }
 
 std::pair<double, double> FrameModel::sinusoid(const float* levels, const FrameOrder& order,
-                                               const Band& band, int steps) const {
+                                               const Band& band, const StepRun& steps) const {
   const double C = dot(band.cosine, levels, order);
   const double S = dot(band.sine, levels, order);
   const double modulation = std::sqrt(C * C + S * S), phase = wrapped_angle(S, C);
 
-  if (steps == 0) return {modulation, phase};
+  if (steps.steps == 0) return {modulation, phase};
 
   // The correction applies to phases with default shifts.
-  const auto bent = bent_run(band);
-  const Shifts shifts = bent ? bent->shifts : Shifts{};
-  const double shifted = unshifted_phase({}, shifted_phase(shifts, phase));
+  const double shifted = unshifted_phase({}, shifted_phase(steps.shifts, phase));
+  const double corrected = corrected_phase(corrections_.at(steps.steps), shifted);
 
-  return {modulation, unshifted_phase(shifts, corrected_phase(corrections_.at(steps), shifted))};
+  return {modulation, unshifted_phase(steps.shifts, corrected)};
 }
 
 std::pair<double, double> FrameModel::demodulated(const float* levels, const FrameOrder& order,
                                                   std::size_t b) const {
   const Band& band = layout_.bands[b];
-  auto [B, phi] = sinusoid(levels, order, band, corrected_steps_[b]);
+  auto [B, phi] = sinusoid(levels, order, band, corrected_[b].front());
 
   // With a carrier: the sum of both phases is free of it, the weaker sinusoid limits B.
-  for (const Band& mirrored : band.mirrored) {
-    const auto [other_B, other] = sinusoid(levels, order, mirrored, corrected_steps_[b]);
+  for (std::size_t i = 0; i < band.mirrored.size(); ++i) {
+    const auto [other_B, other] = sinusoid(levels, order, band.mirrored[i], corrected_[b][i + 1]);
     B = std::min(B, other_B);
     phi = wrapped_sum(phi, other);
   }
@@ -191,7 +200,7 @@ void FrameModel::read(const float* levels, const FrameOrder& order, SampleReadin
   // The first sinusoid has the phase pi f y + 2 pi carrier x.
   if (const Band& band = layout_.bands[measuring_band()]; band.carrier > 0) {
     const double with_carrier =
-        sinusoid(levels, order, band, corrected_steps_[measuring_band()]).second;
+        sinusoid(levels, order, band, corrected_[measuring_band()].front()).second;
     reading.across = (with_carrier / two_pi - band.periods / 2 * reading.coordinate) / band.carrier;
   }
 
@@ -340,7 +349,7 @@ void FrameModel::explain(const float* levels, const FrameOrder& order,
     const double variation = square - sum * sum / layout_.frames;
     // The response changes the bands' modulations from place to place.
     for (std::size_t b = 0; b < layout_.bands.size(); ++b) {
-      reading.expected[b] = sinusoid(reading.made.data(), identity_, layout_.bands[b], 0).first;
+      reading.expected[b] = sinusoid(reading.made.data(), identity_, layout_.bands[b], {}).first;
     }
 
     alpha = variation > 0 ? (product - sum * level_sum / layout_.frames) / variation : 0;

@@ -109,9 +109,9 @@ class FrameModel {
   void fit_origin(const float* levels, const FrameOrder& order, SampleReading& reading) const;
   void fit_origin(SampleReading& reading) const;
   void explain(const float* levels, const FrameOrder& order, SampleReading& reading) const;
-  /// Modulation and phase, corrected for the response with that many steps; 0: uncorrected.
+  /// Modulation and phase, corrected for the response as these steps need it; 0: uncorrected.
   [[nodiscard]] std::pair<double, double> sinusoid(const float* levels, const FrameOrder& order,
-                                                   const Band& band, int steps) const;
+                                                   const Band& band, const StepRun& steps) const;
   /// Modulation and phase of a band, without its carrier.
   [[nodiscard]] std::pair<double, double> demodulated(const float* levels, const FrameOrder& order,
                                                       std::size_t band) const;
@@ -124,7 +124,9 @@ class FrameModel {
   Layout layout_;
   PhotometricCalibration photometry_;
   PhaseCorrections corrections_;
-  std::vector<int> corrected_steps_;  ///< N of each corrected band, else 0
+  /// Steps that a band's phases are corrected for, 0 if they are not: its own, then those of its
+  /// mirrored sinusoids.
+  std::vector<std::vector<StepRun>> corrected_;
   std::vector<std::size_t> chain_;
   std::optional<CueEvidence> cue_;
   std::optional<BandUnwrapper> alone_;  ///< gives the coordinate if the chain does not

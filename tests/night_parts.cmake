@@ -3,7 +3,7 @@
 set(night_parts 5)
 
 # The part, 1 to 5, of a test: by its name, so that it stays in its part. Some names say it. The longest
-# one is placed by hand, so that no part takes much more than ten minutes.
+# ones are placed by hand, so that no part takes much more than ten minutes.
 function(night_part_of test part)
   if(test MATCHES "\\.Night([1-5])/")
     set(${part} ${CMAKE_MATCH_1} PARENT_SCOPE)
@@ -11,6 +11,10 @@ function(night_part_of test part)
   endif()
   if(test STREQUAL "docs.commands.docs/background/dissertation.md")
     set(${part} 4 PARENT_SCOPE)
+    return()
+  endif()
+  if(test MATCHES "^portable\\.")
+    set(${part} 1 PARENT_SCOPE)
     return()
   endif()
   string(MD5 digits "${test}")

@@ -73,9 +73,11 @@ Layout layout_of(const Code& code, int frames) {
           .unwrapping = Unwrapping::code_alone};
 }
 
-/// Bits of a code with one stripe per period.
+/// Bits of a code with one stripe per period; at most 64, beyond what any code may have.
 int bits_for(double periods) {
-  return std::max(1, static_cast<int>(std::ceil(std::log2(periods) - 1e-9)));
+  constexpr double most = 64;
+  if (!(periods > 1)) return 1;
+  return static_cast<int>(std::min(most, std::ceil(std::log2(periods) - 1e-9)));
 }
 
 /// Bits of GrayPhase without the complementary one.
@@ -130,6 +132,10 @@ Layout ExclusiveOrGray::layout() const {
 
 void GrayPhase::require_valid() const {
   slipstream::require_valid(runs().front(), "gray-phase");
+  const double coded = stripes.value_or(periods);
+  throw_if(!(coded >= periods), "gray-phase: a code of {:g} stripes is too short for {:g} periods",
+           coded, periods);
+
   const int shown = bits_of(*this);
   require_known(name, shown + complementary_bits(*this), reference);
 

@@ -122,7 +122,13 @@ TEST(Strategy, GrayPhaseTakesACodeOfItsOwnStripes) {
   EXPECT_EQ(halved.frames, 4 + 10);
   EXPECT_EQ(halved.code->stripes, 600);
 
-  EXPECT_THROW(Strategy(GrayPhase{.periods = 8, .stripes = 7.5}), Error);
+  const double infinite = std::numeric_limits<double>::infinity();
+  const double not_a_number = std::numeric_limits<double>::quiet_NaN();
+  for (const double stripes : {7.5, 0.0, -8.0, infinite, not_a_number}) {
+    EXPECT_THROW(Strategy(GrayPhase{.periods = 8, .stripes = stripes}), Error) << stripes;
+    if (stripes == 7.5) continue;
+    EXPECT_THROW(Strategy(GrayCode{.stripes = stripes}), Error) << stripes;
+  }
   EXPECT_THROW(Strategy(GrayPhase{.periods = 8, .bits = 5, .stripes = 33}), Error);
 }
 

@@ -135,12 +135,6 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
     return result;
   }
 
-  if (scanner) {
-    if (auto padded = padded_pictures(frames, scanner->camera)) {
-      result.findings.push_back(std::move(*padded));
-    }
-  }
-
   CheckSettings with_motion = settings;
   with_motion.moving = settings.moving || measuring_band(model.layout()).cycle.has_value();
   if (samples.groups() < ScanSamples::fewest_groups) return result;
@@ -155,8 +149,20 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
   }
 
   // 3. Whether frames, sequence and scanner fit together, and if not, why.
-  const Scanner* const known = scanner ? &*scanner : nullptr;
-  judge({model, samples, sequence, known, photometry, with_motion}, std::move(of_scanner), result);
+  const auto judged_by = [&](const Scanner* known) {
+    ScanFindings judged = result;
+    judge({model, samples, sequence, known, photometry, with_motion}, of_scanner, judged);
+    return judged;
+  };
+  auto padded = scanner ? padded_pictures(frames, scanner->camera) : std::nullopt;
+  if (padded) {
+    // The scanner is one of other pictures: only findings of the frames alone help beside it.
+    if (any_wrong(judged_by(&*scanner).findings)) padded->severity = Severity::wrong;
+    result = judged_by(nullptr);
+    result.findings.insert(result.findings.begin(), std::move(*padded));
+  } else {
+    result = judged_by(scanner ? &*scanner : nullptr);
+  }
 
   // 4. Levels that wrapped around are named only if no other cause is clear.
   const bool unclear = std::ranges::any_of(

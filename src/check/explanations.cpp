@@ -114,16 +114,30 @@ bool is_drift(const CodeSymptom& worst, const CodeEvidence& code) {
   return by_edges && code.drifts();
 }
 
-/// Names stripes that are not as wide as a period. The bit of half a stripe tolerates a quarter.
-void name_drift(const CodeEvidence& code, Finding& finding) {
-  finding.severity = Severity::doubtful;
+/// Names stripes that are not as wide as the layout says.
+void name_drift(const CodeEvidence& code, const Layout& layout, Finding& finding) {
   finding.evidence.push_back({"change across the field", code.drift, "periods"});
+
+  // A code whose stripes have a width of their own: that width, or the periods, are others.
+  const double per_period = layout.code->stripes / measuring_band(layout).periods;
+  const double doublings = std::log2(per_period);
+  if (std::abs(doublings - std::round(doublings)) > 1e-9) {
+    finding.causes = {{CauseKind::pattern_settings,
+                       "stripes of the code that are not as wide as given, or another number of "
+                       "periods"}};
+    finding.remedies = {{"take `stripes` and `periods` from the patterns"}};
+    return;
+  }
+
+  // By default the bit of half a stripe tolerates a quarter of a period.
+  finding.severity = Severity::doubtful;
   finding.causes = {{CauseKind::pattern_settings,
                      "stripes of the code that are not as wide as a period, as when a width was "
                      "rounded to whole pixels"}};
   finding.remedies = {
-      {"project stripes as wide as the periods; until then the fringe order is "
-       "right only where code and phase differ by less than a quarter of a period"}};
+      {"give the width of the stripes (`stripes`), or project stripes as wide as the periods; "
+       "until then the fringe order is right only where code and phase differ by less than a "
+       "quarter of a period"}};
 }
 
 /// Whether too few points can be right: most lie outside the light, or the coordinate runs back.
@@ -137,8 +151,14 @@ Cause unknown_gamma() {
   return {CauseKind::gamma, "the projector's gamma, if it is not 1"};
 }
 
+/// Whether frames show products of sinusoids: no correction of the response applies to them.
+bool shows_products(const Layout& layout) {
+  return std::ranges::any_of(layout.bands,
+                             [](const Band& band) { return band.carrier > 0 && !bent_run(band); });
+}
+
 /// Names broad causes of frames that do not fit.
-void name_frames_broadly(const Fit& fit, bool response_known, Finding& finding) {
+void name_frames_broadly(const JudgedScan& scan, const Fit& fit, Finding& finding) {
   // Beyond these, too few pixels are right to separate them from wrong ones.
   constexpr double hopeless_agreement = 0.35, hopeless_offset = 0.25;
   // More would have been explained by a gamma.
@@ -149,10 +169,15 @@ void name_frames_broadly(const Fit& fit, bool response_known, Finding& finding) 
            (relation.agreement < hopeless_agreement || std::abs(relation.offset) > hopeless_offset);
   };
   const auto& relations = fit.frames.relations;
-  if (fit.frames.residual > FitLimits::hopeless_residual ||
-      std::ranges::any_of(relations, hopeless)) {
-    finding.severity = Severity::wrong;
-  }
+  // Bands that agree have the right settings and order.
+  const bool is_right_order = !relations.empty() && fit.has_evidence() && fit.bands_agree() &&
+                              fit.code_agrees() && fit.no_seam();
+
+  // Harmonics of a response stay in products, in right frames, too: up to 0.4 in harsh light.
+  const bool are_products = shows_products(scan.model.layout());
+  const bool by_response = are_products && is_right_order && fit.geometry_fits();
+  const bool is_hopeless = fit.frames.residual > FitLimits::hopeless_residual && !by_response;
+  if (is_hopeless || std::ranges::any_of(relations, hopeless)) finding.severity = Severity::wrong;
 
   finding.remedies = {{"compare the frames with the output of `patterns()`"}};
 
@@ -170,19 +195,23 @@ void name_frames_broadly(const Fit& fit, bool response_known, Finding& finding) 
 
   finding.causes = {{CauseKind::unclear,
                      "wrong pattern settings, lost or mixed-up frames, or motion during capture"}};
-  if (response_known || fit.frames.residual > most_by_gamma) return;
+  if (by_response) {
+    finding.causes.insert(finding.causes.begin(), unknown_gamma());
+    finding.remedies.insert(finding.remedies.begin(),
+                            {"project patterns that compensate for the gamma"});
+    return;
+  }
+  if (scan.photometry.response || fit.frames.residual > most_by_gamma) return;
   finding.causes.push_back(unknown_gamma());
 
-  // Bands that agree have the right settings and order: a response is likelier.
-  const bool is_right_order = !relations.empty() && fit.has_evidence() && fit.bands_agree() &&
-                              fit.code_agrees() && fit.no_seam();
+  // A response is likelier than wrong settings or another order.
   if (!is_right_order || finding.severity == Severity::wrong) return;
   std::ranges::reverse(finding.causes);
   finding.remedies.insert(finding.remedies.begin(), {"measure the gamma with `calibrate_gamma()`"});
 }
 
 /// Names a broad cause if no common mistake explains the misfit.
-void name_broadly(const Fit& fit, bool response_known, Finding& finding) {
+void name_broadly(const JudgedScan& scan, const Fit& fit, Finding& finding) {
   const auto& geometry = fit.geometry;
   const auto blame = [&](CauseKind kind, std::string_view text) {
     finding.causes.push_back({kind, std::string(text)});
@@ -193,11 +222,11 @@ void name_broadly(const Fit& fit, bool response_known, Finding& finding) {
     const CodeSymptom& worst = worst_symptom(fit.code);
     if (std::abs(fit.code.*worst.value) > 2 * worst.limit) finding.severity = Severity::wrong;
 
-    if (is_drift(worst, fit.code)) return name_drift(fit.code, finding);
+    if (is_drift(worst, fit.code)) return name_drift(fit.code, scan.model.layout(), finding);
     for (const auto& [kind, text] : worst.causes) {
       if (!text.empty()) blame(kind, text);
     }
-    if (worst.value == &CodeEvidence::doubt && !response_known) {
+    if (worst.value == &CodeEvidence::doubt && !scan.photometry.response) {
       finding.causes.push_back(unknown_gamma());
     }
     finding.remedies = {{fmt::format("{} the output of `patterns()`", worst.compare)}};
@@ -209,7 +238,7 @@ void name_broadly(const Fit& fit, bool response_known, Finding& finding) {
           "the field are wrong");
     finding.remedies = {{"focus both lenses, use larger pictures or fewer periods (`high`)"}};
   } else if (!fit.frames_fit()) {
-    name_frames_broadly(fit, response_known, finding);
+    name_frames_broadly(scan, fit, finding);
   } else if (!fit.geometry_fits()) {
     if (is_hopeless(*geometry)) finding.severity = Severity::wrong;
     blame(CauseKind::unclear,
@@ -335,7 +364,7 @@ void explain_misfit(const JudgedScan& scan, const Fit& fit, std::optional<MixedF
 
   // 1. Common mistakes; a doubtful scanner explains a misfit of the geometry already.
   if (scan.scanner_doubted && fit.frames_fit()) {
-    name_broadly(fit, response_known, finding);
+    name_broadly(scan, fit, finding);
     if (!only_depths) finding.severity = Severity::wrong;
     result.findings.push_back(std::move(finding));
     return;
@@ -361,7 +390,7 @@ void explain_misfit(const JudgedScan& scan, const Fit& fit, std::optional<MixedF
 
   // 2. Frames without a pattern.
   constexpr double contradicting = 0.2;  // so far off that a frame may be lost
-  const bool turns_back = fit.geometry && fit.geometry->falling > FitLimits::most_falling;
+  const bool turns_back = fit.geometry && fit.geometry->falling > fit.most_falling();
   const bool is_lost = !fit.code_agrees() || turns_back ||
                        (scan.model.unexplained_count() > 0 && fit.frames.residual >= contradicting);
   std::vector<Finding> dark = dark_frames(scan, is_lost);
@@ -379,7 +408,7 @@ void explain_misfit(const JudgedScan& scan, const Fit& fit, std::optional<MixedF
     result.findings = std::move(dark);
     return;
   } else {
-    name_broadly(fit, response_known, finding);
+    name_broadly(scan, fit, finding);
     auto unlike = fit.patterns_made() ? std::nullopt : unlike_frames(scan, fit);
     if (unlike) finding = std::move(*unlike);
   }

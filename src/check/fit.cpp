@@ -250,11 +250,15 @@ bool Fit::code_agrees() const {
   });
 }
 
+double Fit::most_falling() const {
+  return FitLimits::most_falling + (code.bits_are_sure() ? code.unsure : 0);
+}
+
 bool Fit::geometry_fits() const {
   if (!geometry) return true;
   return geometry->slope + geometry->slope_doubt >= FitLimits::least_slope &&
          geometry->slope - geometry->slope_doubt <= FitLimits::most_slope &&
-         (geometry->falling <= FitLimits::most_falling || geometry->slope >= FitLimits::straight) &&
+         (geometry->falling <= most_falling() || geometry->slope >= FitLimits::straight) &&
          geometry->without_point + geometry->outside <= FitLimits::most_outside;
 }
 
@@ -297,7 +301,7 @@ double Fit::misfit() const {
 
     sum += (geometry->without_point + geometry->outside) / L::most_outside +
            geometry->out_of_range / L::most_out_of_range + geometry->beyond +
-           geometry->falling / L::most_falling + std::abs(std::log(std::max(1e-3, nearest_to_one)));
+           geometry->falling / most_falling() + std::abs(std::log(std::max(1e-3, nearest_to_one)));
   }
 
   return sum;

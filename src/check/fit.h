@@ -163,6 +163,8 @@ struct Fit {
   [[nodiscard]] bool all() const { return frames_fit() && geometry_fits() && depths_fit(); }
   /// Whether more points lie outside the projector's light, or nowhere, than in right scans.
   [[nodiscard]] bool has_stray_points() const;
+  /// The share of a code's changes that may run backwards: noise turns those of unsure bits.
+  [[nodiscard]] double most_falling() const;
   /// Whether it fits so poorly that another origin or frame order may fit far better.
   [[nodiscard]] bool poor() const;
   /// 0 for a perfect fit; of two explanations, the smaller misfit is likelier.

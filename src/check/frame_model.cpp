@@ -65,7 +65,8 @@ Eigen::MatrixXd complement_of(const Strategy& strategy, const Layout& layout) {
   return all;
 }
 
-/// The steps whose correction the phases of a band need, then of its mirrored sinusoids.
+/// The steps that the phases of a band are corrected for, 0 if they are not; then those of its
+/// mirrored sinusoids.
 std::vector<StepRun> steps_to_correct(const Band& band, const PhaseCorrections& corrections) {
   const auto run = bent_run(band);
   const int steps = run ? run->steps : 1;

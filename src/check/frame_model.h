@@ -109,7 +109,8 @@ class FrameModel {
   void fit_origin(const float* levels, const FrameOrder& order, SampleReading& reading) const;
   void fit_origin(SampleReading& reading) const;
   void explain(const float* levels, const FrameOrder& order, SampleReading& reading) const;
-  /// Modulation and phase, corrected for the response as these steps need it; 0: uncorrected.
+  /// Modulation and phase, corrected for the response as these steps need it; not corrected if
+  /// there are 0.
   [[nodiscard]] std::pair<double, double> sinusoid(const float* levels, const FrameOrder& order,
                                                    const Band& band, const StepRun& steps) const;
   /// Modulation and phase of a band, without its carrier.
@@ -124,8 +125,8 @@ class FrameModel {
   Layout layout_;
   PhotometricCalibration photometry_;
   PhaseCorrections corrections_;
-  /// Steps that a band's phases are corrected for, 0 if they are not: its own, then those of its
-  /// mirrored sinusoids.
+  /// Of each band: the steps that its phases are corrected for, 0 if they are not; then those of
+  /// its mirrored sinusoids.
   std::vector<std::vector<StepRun>> corrected_;
   std::vector<std::size_t> chain_;
   std::optional<CueEvidence> cue_;

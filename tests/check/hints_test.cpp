@@ -170,6 +170,18 @@ TEST(Hints, ProposeNoOriginForStripesOfAnotherWidth) {
       << text_of(findings.front());
 }
 
+// Stripes of a width of their own are given: with another width most fringe orders are wrong.
+TEST(Hints, TakeNoCodeOfAnotherWidthThanGiven) {
+  Scan scan = right_scan("statue", GrayPhase{.periods = 16, .stripes = 64});
+  for (const double stripes : {61.0, 60.95}) {
+    scan.sequence.strategy = GrayPhase{.periods = 16, .stripes = stripes};
+    const std::vector<Finding> findings = check_scan(scan).findings;
+    ASSERT_FALSE(findings.empty()) << stripes;
+    EXPECT_EQ(findings.front().severity, Severity::wrong) << text_of(findings.front());
+    EXPECT_TRUE(blames(findings.front(), CauseKind::pattern_settings)) << text_of(findings.front());
+  }
+}
+
 /// The scan as of a region of the sensor that was set after the calibration.
 Scan cropped_scan(const Strategy& strategy, int left, int top) {
   Scan scan = right_scan("board", strategy);

@@ -117,11 +117,22 @@ Scanner scanner_from_opencv(const py::object& camera_matrix, const py::object& c
   // All results: the RMS comes before the values that are named here, E and F come after them.
   constexpr std::size_t result_count = 9;
   if (py::isinstance<py::tuple>(camera_matrix) && py::len(camera_matrix) >= result_count) {
-    int at = 0;
-    for (const auto& [name, value] : named) {
-      throw_if(at > 0 && !value.is_none(), "{}: the results of cv2.stereoCalibrate have it already",
-               name.cast<std::string>());
-      named[name] = camera_matrix[py::int_(++at)];
+    // Other functions of OpenCV, as of fisheye lenses, give other values at their place.
+    const auto all = camera_matrix.cast<py::tuple>();
+    for (const std::size_t i : {result_count - 2, result_count - 1}) {
+      const auto matrix = py::array::ensure(all[i]);
+      throw_if(!matrix || matrix.ndim() != 2 || matrix.shape(0) != 3 || matrix.shape(1) != 3,
+               "camera_matrix: {} results without E and F, 3 x 3; expected all results of "
+               "cv2.stereoCalibrate: RMS, K1, d1, K2, d2, R, T, E, F",
+               all.size());
+    }
+
+    std::size_t at = 0;
+    for (const char* const name : {"camera_matrix", "camera_distortion", "projector_matrix",
+                                   "projector_distortion", "rotation", "translation"}) {
+      throw_if(at > 0 && !named[name].is_none(),
+               "{}: the results of cv2.stereoCalibrate have it already", name);
+      named[name] = all[++at];
     }
   }
 

@@ -62,6 +62,11 @@ def test_all_results_of_stereo_calibration_go_in_at_once():
     with pytest.raises(slipstream.Error, match="^rotation: the results .* have it already$"):
         slipstream.Scanner.from_opencv(results, rotation=numpy.eye(3), **SIZES)
 
+    # cv2.fisheye.stereoCalibrate gives nine as well, of lenses that the scanner does not have.
+    of_fisheye = (*results[:7], (numpy.zeros((3, 1)),), (numpy.zeros((3, 1)),))
+    with pytest.raises(slipstream.Error, match="^camera_matrix: 9 results without E and F"):
+        slipstream.Scanner.from_opencv(of_fisheye, **SIZES)
+
 
 def test_what_opencv_returns_goes_in():
     cv2 = pytest.importorskip("cv2", reason="package cv2 is not installed")

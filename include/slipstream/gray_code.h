@@ -24,10 +24,10 @@ struct GrayCode {
   bool least_first = false;         ///< narrowest stripes first
 
   static void for_each_setting(auto& self, const auto& visit) {
-    visit("bits", "bits of the code, one frame each; default: enough for the stripes, or 10",
+    visit("bits", "bits of the code, one frame each; default: as many as the stripes need",
           self.bits);
     visit("reference", "threshold for bright: white-black, inverse, mean or none", self.reference);
-    visit("stripes", "number of stripes across the field; default and most: 2^bits", self.stripes);
+    visit("stripes", "number of stripes across the field; at most 2^bits", self.stripes);
     visit("plain", "plain binary code instead of a Gray code", self.plain);
     visit("least_first", "show the least significant bit first", self.least_first);
   }
@@ -64,11 +64,12 @@ struct GrayPhase {
   int steps = 4;
   double periods = 32;
   std::optional<int> bits{};  ///< default: enough for `stripes` if given, else for `periods`
-  /// Across the field, at least one per period; default: one per period, twice as many for each
-  /// further bit.
+  /// Across the field, at least one per period, without the complementary bit, which doubles them;
+  /// default: one per period, twice as many for each further bit.
   std::optional<double> stripes{};
-  /// Adds one bit with stripes of half the width, which tolerates code edges up to a quarter of a
-  /// period from the phase wraps; default: true, false if `stripes` is given.
+  /// Adds one bit with stripes of half the width. With one stripe per period it tolerates code
+  /// edges up to a quarter of a period from the phase wraps; default: true, false if `stripes` is
+  /// given.
   std::optional<bool> complementary{};
   /// As in GrayCode, but "mean" and "none" are those of the sinusoids.
   std::string reference = "mean";
@@ -80,7 +81,7 @@ struct GrayPhase {
     visit("periods", "periods of each sinusoid across the field", self.periods);
     visit("bits", "bits of the code, one frame each", self.bits);
     visit("stripes", "number of stripes across the field", self.stripes);
-    visit("complementary", "add a bit with stripes of half a period: true or false",
+    visit("complementary", "add a bit with stripes of half the width: true or false",
           self.complementary);
     visit("reference", "threshold for bright: white-black, inverse, mean or none", self.reference);
     visit_shifts(self.shifts, visit);

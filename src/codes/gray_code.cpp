@@ -132,9 +132,10 @@ Layout ExclusiveOrGray::layout() const {
 
 void GrayPhase::require_valid() const {
   slipstream::require_valid(runs().front(), "gray-phase");
+  constexpr double rounded = 1e-9;  // of a width in pixels
   const double coded = stripes.value_or(periods);
-  throw_if(!(coded >= periods), "gray-phase: a code of {:g} stripes is too short for {:g} periods",
-           coded, periods);
+  throw_if(!(coded >= periods * (1 - rounded)),
+           "gray-phase: a code of {:g} stripes is too short for {:g} periods", coded, periods);
 
   const int shown = bits_of(*this);
   require_known(name, shown + complementary_bits(*this), reference);

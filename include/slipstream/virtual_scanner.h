@@ -104,8 +104,8 @@ struct VirtualScan {
 /// alpha (I^p + beta) + beta + w, Eq. (3.2), I^p times the pattern's exposure, and 0 in the
 /// projector's shadow and outside its field. Without Physics::projector_pixels, patterns are exact,
 /// neither sampled by projector pixels nor quantised; binary ones use their pictures. Throws Error
-/// if the scanner or the photometry is invalid. `stopped`, if given, is asked often, by several
-/// threads: once it says true, the function returns soon, with frames that are incomplete.
+/// if the scanner or the photometry is invalid. Several threads ask `stopped`, if given: once
+/// it says true, the function returns soon, with incomplete frames.
 VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
                       const Photometry& photometry = {}, double time = 0,
                       const std::function<bool()>& stopped = {});

@@ -109,10 +109,13 @@ Scanner scanner_from_opencv(const py::object& camera_matrix, const py::object& c
                             const py::object& projector_matrix,
                             const py::object& projector_distortion, const py::object& rotation,
                             const py::object& translation, Size camera_size, Size projector_size) {
-  py::dict named("camera_matrix"_a = camera_matrix, "camera_distortion"_a = camera_distortion,
-                 "projector_matrix"_a = projector_matrix,
-                 "projector_distortion"_a = projector_distortion, "rotation"_a = rotation,
-                 "translation"_a = translation);
+  std::vector<std::pair<const char*, py::object>> named{
+      {"camera_matrix", camera_matrix},
+      {"camera_distortion", camera_distortion},
+      {"projector_matrix", projector_matrix},
+      {"projector_distortion", projector_distortion},
+      {"rotation", rotation},
+      {"translation", translation}};
 
   // All results: the RMS comes before the values that are named here, E and F come after them.
   constexpr std::size_t result_count = 9;
@@ -127,12 +130,11 @@ Scanner scanner_from_opencv(const py::object& camera_matrix, const py::object& c
                all.size());
     }
 
-    std::size_t at = 0;
-    for (const char* const name : {"camera_matrix", "camera_distortion", "projector_matrix",
-                                   "projector_distortion", "rotation", "translation"}) {
-      throw_if(at > 0 && !named[name].is_none(),
-               "{}: the results of cv2.stereoCalibrate have it already", name);
-      named[name] = all[++at];
+    for (std::size_t i = 0; i < named.size(); ++i) {
+      auto& [name, value] = named[i];
+      throw_if(i > 0 && !value.is_none(), "{}: the results of cv2.stereoCalibrate have it already",
+               name);
+      value = all[i + 1];
     }
   }
 

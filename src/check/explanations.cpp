@@ -119,8 +119,8 @@ void name_drift(const CodeEvidence& code, const Layout& layout, Finding& finding
   finding.evidence.push_back({"change across the field", code.drift, "periods"});
 
   // A code whose stripes have a width of their own: that width, or the periods, are others.
-  const double per_period = layout.code->stripes / measuring_band(layout).periods;
-  const double doublings = std::log2(per_period);
+  // By default there are 1, 2, 4, ... per period.
+  const double doublings = std::log2(layout.code->stripes / measuring_band(layout).periods);
   if (std::abs(doublings - std::round(doublings)) > 1e-9) {
     finding.causes = {{CauseKind::pattern_settings,
                        "stripes of the code that are not as wide as given, or another number of "
@@ -135,7 +135,7 @@ void name_drift(const CodeEvidence& code, const Layout& layout, Finding& finding
                      "stripes of the code that are not as wide as a period, as when a width was "
                      "rounded to whole pixels"}};
   finding.remedies = {
-      {"give the width of the stripes (`stripes`), or project stripes as wide as the periods; "
+      {"give the number of stripes (`stripes`), or project stripes as wide as the periods; "
        "until then the fringe order is right only where code and phase differ by less than a "
        "quarter of a period"}};
 }
@@ -174,8 +174,8 @@ void name_frames_broadly(const JudgedScan& scan, const Fit& fit, Finding& findin
                               fit.code_agrees() && fit.no_seam();
 
   // Harmonics of a response stay in products, in right frames, too: up to 0.4 in harsh light.
-  const bool are_products = shows_products(scan.model.layout());
-  const bool by_response = are_products && is_right_order && fit.geometry_fits();
+  const bool by_response =
+      shows_products(scan.model.layout()) && is_right_order && fit.geometry_fits();
   const bool is_hopeless = fit.frames.residual > FitLimits::hopeless_residual && !by_response;
   if (is_hopeless || std::ranges::any_of(relations, hopeless)) finding.severity = Severity::wrong;
 

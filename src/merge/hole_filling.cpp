@@ -78,9 +78,9 @@ std::vector<Rim> rims_of(const ModelMesh& mesh, const Edges& edges) {
     }
   }
 
-  // 2. Follow each edge until the way returns to it. Where several edges lead on, the one at the
-  // smallest angle belongs to the same hole. A way that ends elsewhere is no rim: the mesh has an
-  // edge with more than two triangles there.
+  // 2. From each edge go on along open edges until back at the first. If several edges begin at a
+  // vertex, the one at the smallest angle is of the same hole. An edge with more than two triangles
+  // may end the way before: then these edges are not a rim.
   std::vector<Rim> rims;
   for (const auto& [first, second] : starts) {
     const bool is_known = std::ranges::count(next[first], second) == 0;

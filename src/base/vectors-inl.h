@@ -40,8 +40,9 @@ HWY_INLINE void for_each_vector(int width, const Body& body) {
   for (std::size_t next = 0; next < count; next += lanes) body(std::min(next, count - lanes));
 }
 
-/// Vectors processed together, to hide the latency of dependent operations.
-#if HWY_MAX_BYTES == 64
+/// Vectors processed together, to hide the latency of dependent operations. With AVX2 four no
+/// longer fit in the registers, but take 0.85 of the time of two on an AMD EPYC.
+#if HWY_MAX_BYTES >= 32
 inline constexpr std::size_t at_once = 4;
 #else
 inline constexpr std::size_t at_once = 2;

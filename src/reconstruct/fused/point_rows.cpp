@@ -124,19 +124,19 @@ HWY_INLINE Several<count> depths(const BlockParts<count>& parts, const Several<c
                         twist = bends + Blocks::bends;
   static_assert(Blocks::twists == 1);
 
-  // 1 / Z as a cubic in t, each of its coefficients a polynomial in p.
-  Several<count> bend = polynomials<bends, Blocks::bends>(parts, p);
-  Several<count> slope = polynomials<slopes, Blocks::slopes>(parts, p);
-  Several<count> inverse = polynomials<0, Blocks::constants>(parts, p);
+  // 1 / Z as a cubic in t, each of its coefficients a polynomial in p. Horner's scheme in t takes
+  // each as soon as it is known, so that few vectors are kept.
+  const auto add_next = [&](const Several<count>& sum, Several<count> next) SLIPSTREAM_STEP {
+    each<count>([&](std::size_t k)
+                    SLIPSTREAM_STEP { next[k] = hn::MulAdd(sum[k], parts.t[k], next[k]); });
+    return next;
+  };
 
-  // Horner's scheme in t.
-  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-    bend[k] = hn::MulAdd(parts.coefficient(k, twist), parts.t[k], bend[k]);
-  });
-  each<count>([&](std::size_t k)
-                  SLIPSTREAM_STEP { slope[k] = hn::MulAdd(bend[k], parts.t[k], slope[k]); });
-  each<count>([&](std::size_t k)
-                  SLIPSTREAM_STEP { inverse[k] = hn::MulAdd(slope[k], parts.t[k], inverse[k]); });
+  Several<count> inverse;
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP { inverse[k] = parts.coefficient(k, twist); });
+  inverse = add_next(inverse, polynomials<bends, Blocks::bends>(parts, p));
+  inverse = add_next(inverse, polynomials<slopes, Blocks::slopes>(parts, p));
+  inverse = add_next(inverse, polynomials<0, Blocks::constants>(parts, p));
 
   Several<count> z;
   const Floats one = hn::Set(FloatTag(), 1.0F);
@@ -310,7 +310,9 @@ HWY_INLINE void point_part(const PointStage& stage, const Source& source, const 
   const std::size_t whole = std::min(count, (static_cast<std::size_t>(row.width) - pixel) / width);
   const RayBlocks::Range* const described = row.blocks.described + first;
 
-  point_blocks<few_at_once>(stage, source, row, pixel, whole * width, coefficients, described);
+  // With AVX2 one block at a time, so that each of its coefficients is copied to a vector once.
+  constexpr std::size_t most = HWY_MAX_BYTES == 32 ? 4 : few_at_once;
+  point_blocks<most>(stage, source, row, pixel, whole * width, coefficients, described);
   if (whole == count) return;
 
   // The last block is placed so that it ends with the row.

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include <Eigen/Core>
@@ -33,6 +34,10 @@ Eigen::Vector2d to_neighbour(int i) {
   return {i % 3 - 1, i / 3 - 1};
 }
 
+/// Distances to the neighbours, pixels.
+constexpr double diagonal = std::numbers::sqrt2;
+constexpr std::array distance_to{diagonal, 1.0, diagonal, 1.0, 0.0, 1.0, diagonal, 1.0, diagonal};
+
 bool is_unlit(Validity validity) {
   return validity == Validity::too_dark || validity == Validity::doubtful_order ||
          validity == Validity::no_point || validity == Validity::outside_field;
@@ -49,6 +54,7 @@ bool is_off_surface(Validity validity) {
 Surroundings surroundings(const Cloud& cloud, const Maps& maps, int column, int row,
                           double depth_by_y, double noise) {
   const Eigen::Vector3d here = position_at(cloud, column, row);
+  const Eigen::Vector2d ray = here.head<2>() / here.z();
   Surroundings around{.brightest = maps.modulation(column, row)};
   std::array<double, 9> unseen{};  // changes to lit neighbours without a point
 
@@ -65,24 +71,27 @@ Surroundings surroundings(const Cloud& cloud, const Maps& maps, int column, int 
       around.at_step |= is_off_surface(validity);
       unseen[i] = change;
     } else {
+      // As in on_one_surface: the distance between the rays, and the change of depth.
       const Eigen::Vector3d there = position_at(cloud, x, y);
-      if (!on_one_surface(here, there, steep)) {
+      const double across = here.z() * (there.head<2>() / there.z() - ray).norm();
+      const double step = std::abs(there.z() - here.z());
+
+      if (!(step <= steep * across)) {
         around.at_step |= !((there - here).norm() < deviations * noise * depth_by_y);
       }
-      if (!on_one_surface(here, there, largest)) continue;
+      if (!(step <= largest * across)) continue;
 
-      around.change[i] = std::max(change, std::abs(there.z() - here.z()) / depth_by_y);
+      around.change[i] = std::max(change, step / depth_by_y);
       around.brightest = std::max(around.brightest, double{maps.modulation(x, y)});
-      const Eigen::Vector2d apart = there.head<2>() / there.z() - here.head<2>() / here.z();
-      around.across = std::max(around.across, here.z() * apart.norm() / to_neighbour(i).norm());
+      around.across = std::max(around.across, across / distance_to[i]);
     }
   }
 
   // Saturated pixels, and those outside of a region, have no point but a coordinate: it shows
   // whether the surface continues. A frontal one changes it by less than one distance.
+  const double limit = (steep + 1) * around.across / depth_by_y;
   for (int i = 0; i < 9; ++i) {
-    const double limit = (steep + 1) * around.across * to_neighbour(i).norm() / depth_by_y;
-    around.at_step |= !(unseen[i] <= limit + deviations * noise);
+    around.at_step |= !(unseen[i] <= limit * distance_to[i] + deviations * noise);
   }
 
   return around;
@@ -97,9 +106,9 @@ double change_along(const Surroundings& around, const Eigen::Vector2d& direction
   for (int i = 0; i < 9; ++i) {
     if (around.change[i] == 0) continue;
     const Eigen::Vector2d to = to_neighbour(i);
-    const double change = around.change[i] / to.norm();
+    const double change = around.change[i] / distance_to[i];
     all = std::max(all, change);
-    if (std::abs(to.normalized().dot(direction)) >= beside) along = std::max(along, change);
+    if (std::abs(to.dot(direction)) >= beside * distance_to[i]) along = std::max(along, change);
   }
 
   return along > 0 ? along : all;
@@ -141,14 +150,16 @@ double change_within_blur(const Cloud& cloud, const Surroundings& around, int co
 
   // 1. The depths, NaN without a point, and how far they are from this pixel's. NaN compares false.
   std::array<float, side * side> z{};
+  z.fill(std::numeric_limits<float>::quiet_NaN());
+  const float here = cloud.z(column, row);
   float change = 0;
-  for (int i = 0; i < side * side; ++i) {
-    const int x = column + i % side - 2, y = row + i / side - 2;
-    const bool inside = x >= 0 && y >= 0 && x < cloud.size().width && y < cloud.size().height;
-    z[i] = inside ? cloud.z(x, y) : std::numeric_limits<float>::quiet_NaN();
 
-    const float apart = std::abs(z[i] - cloud.z(column, row));
-    if (apart <= most && apart > change) change = apart;
+  for (int y = std::max(row - 2, 0); y <= std::min(row + 2, cloud.size().height - 1); ++y) {
+    for (int x = std::max(column - 2, 0); x <= std::min(column + 2, cloud.size().width - 1); ++x) {
+      const float there = cloud.z(x, y), apart = std::abs(there - here);
+      z[(y - row + 2) * side + x - column + 2] = there;
+      if (apart <= most && apart > change) change = apart;
+    }
   }
 
   // 2. Without a step between two of them, half as far from one at least, it is a slope.

@@ -104,7 +104,7 @@ function(slipstream_room room)
   endif()
   if(hwy::hwy IN_LIST arg_HIDES)
     # Vector targets not compiled: SSSE3 machines are too old to matter, AVX3_DL adds no instruction
-    # used here, and vectors of unknown length (SVE, RVV) cannot be class members. Sanitized builds
+    # used here, and vectors of unknown length (SVE, RVV) cannot be class members. Builds for checks
     # have only AVX2 and the baseline: the others compile slowly from the same source.
     set(unused_targets HWY_SSSE3|HWY_AVX3_DL|HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128|HWY_RVV)
     if(CMAKE_CXX_FLAGS MATCHES "SLIPSTREAM_TWO_VECTOR_TARGETS")

@@ -80,6 +80,12 @@ def fish(commands):
     return "\n".join([*lines, ""])
 
 
+def with_name_of_file(text, words, name):
+    """The page of a command: help2man writes its words where a page has a name of one word."""
+    text = text.replace(path_of(words) + " \\-", name + " \\-", 1)
+    return re.sub('^\\.TH .*? "1"', f'.TH {name.upper()} "1"', text, count=1, flags=re.MULTILINE)
+
+
 def main():
     program, folder = sys.argv[1], pathlib.Path(sys.argv[2])
     folder.mkdir(parents=True, exist_ok=True)
@@ -94,7 +100,7 @@ def main():
         made = subprocess.run(["help2man", "--no-info", "--help-option=--help-all", f"--version-string={version}", "-n", said,
                                " ".join((program, *words))], capture_output=True, text=True,
                               check=True)
-        page.write_text(made.stdout.replace(path_of(words) + " \\-", page.stem + " \\-", 1))
+        page.write_text(with_name_of_file(made.stdout, words, page.stem))
 
 
 if __name__ == "__main__":

@@ -73,3 +73,13 @@ def test_zsh_offers_them(pages, commands, typed, offered):
     told = answer_of("zsh", given + pages.zsh(commands), "")
     begun = typed.split()[-1]
     assert [line.split(":")[0] for line in told if line.startswith(begun)] == offered.split()
+
+
+def test_a_man_page_has_the_name_of_its_file(pages):
+    """As lintian wants it, which only a release runs."""
+    made = ('.TH SLIPSTREAM CALIBRATE HAND-EYE "1" "May 2026" "slipstream calibrate hand-eye 1.0"\n'
+            ".SH NAME\nslipstream calibrate hand-eye \\- find a robot's hand\n")
+    words, name = ("calibrate", "hand-eye"), "slipstream-calibrate-hand-eye"
+    assert pages.with_name_of_file(made, words, name).split("\n")[:3] == [
+        '.TH SLIPSTREAM-CALIBRATE-HAND-EYE "1" "May 2026" "slipstream calibrate hand-eye 1.0"',
+        ".SH NAME", "slipstream-calibrate-hand-eye \\- find a robot's hand"]

@@ -87,6 +87,7 @@ void apply(const fs::path& file, CLI::App& subcommand, const CLI::App& program, 
 
   // 1. The settings of all commands, as one rig file may serve several.
   std::set<std::string> known, named;
+  std::set<const CLI::Option*> applied;
   collect_settings(program, known);
 
   // 2. Each setting of the file that this command has.
@@ -113,8 +114,18 @@ void apply(const fs::path& file, CLI::App& subcommand, const CLI::App& program, 
     // `mesh` is the object of the virtual scanner, not a mesh to write.
     if (setting.name == "mesh" && is_output(*option)) continue;
 
+    for (const CLI::Option* const other : option->get_excludes()) {
+      if (applied.contains(other)) {
+        refuse(fmt::format("'{}' and '{}' exclude each other; leave out one",
+                           other->get_single_name(), setting.name));
+      }
+    }
+
     try {
-      if (apply(setting, file.parent_path(), rights, *option)) rig.settings.push_back(setting);
+      if (apply(setting, file.parent_path(), rights, *option)) {
+        rig.settings.push_back(setting);
+        applied.insert(option);
+      }
     } catch (const CLI::ConversionError&) {  // a switch; numbers were checked before
       refuse(fmt::format("{} '{}': expected true or false", setting.name, setting.values.front()));
     } catch (const CLI::ParseError& error) {

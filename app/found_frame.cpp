@@ -80,7 +80,7 @@ void read_pairs(const std::string& file, PointPairs& pairs) {
 
   for (int number = 1; !rest.empty(); ++number) {
     std::string line(take_until(rest, '\n'));
-    std::erase_if(line, [](char c) { return c == ' ' || c == '\t' || c == '\r'; });
+    std::erase_if(line, [](char c) { return c == ' ' || c == '\t'; });
     if (line.empty() || line[0] == '#') continue;
 
     const std::vector<double> numbers = numbers_in<double>(line, ',');

@@ -114,9 +114,7 @@ std::vector<ListedScans> listed_scans(const ReconstructFlags& flags) {
       continue;
     }
 
-    const std::vector<std::uint8_t> bytes = read_file(path);
-    for (ListedScans& listed :
-         scan_list_from({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, path)) {
+    for (ListedScans& listed : scan_list_from(read_text(path, largest_file), path)) {
       listed.path = (fs::path(path).parent_path() / listed.path).string();  // relative to the list
       scans.push_back(std::move(listed));
     }

@@ -70,6 +70,8 @@ void add_sequence_flags(const FlagGroup& group, SequenceChanges& changes) {
       "periods (also --frequency, --high and --low) as lengths in projector pixels");
   group.add("--stripe", changes.stripe_pixels,
             "--stripes as the width of a stripe in projector pixels");
+  group.exclude("--period-pixels", {"--periods", "--frequency", "--high"});
+  group.exclude("--stripe", {"--stripes"});
 
   group.add("--axis", changes.axes,
             "x: the pattern varies along projector columns; y: rows; both: first x, then y");

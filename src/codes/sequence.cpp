@@ -229,7 +229,7 @@ Sequence changed(const Sequence& first, const SequenceChanges& changes) {
   if (replaced) sequence.lengths.clear();
 
   // 1. Steps and shifts.
-  const auto is_given = [&](const char* name) {
+  const auto is_given = [&](const std::string& name) {
     return changes.settings.contains(name) && changes.settings.at(name);
   };
   // Either replaces the other; make_strategy refuses both.
@@ -255,8 +255,14 @@ Sequence changed(const Sequence& first, const SequenceChanges& changes) {
   sequence.projector = changes.projector.value_or(sequence.projector);
 
   const std::string strategy = changes.strategy.value_or(std::string(known.strategy.name()));
+  StrategySettings in_pixels;
   add_settings_in_pixels(sequence.lengths, length_along(sequence.axis, sequence.projector),
-                         strategy, settings);
+                         strategy, in_pixels);
+  for (const auto& [name, value] : in_pixels) {
+    throw_if(is_given(name), "`{}` and `{}` are both given; leave out one", name,
+             name == "stripes" ? "stripe" : "period_pixels");
+    settings[name] = value;
+  }
   sequence.strategy = with_settings(known.strategy, strategy, settings);
 
   // 4. How the patterns are shown and seen.

@@ -162,9 +162,21 @@ std::vector<std::uint8_t> read_file(const fs::path& path, std::uint64_t largest)
   return bytes;
 }
 
-std::string read_text(const fs::path& path) {
-  const std::vector<std::uint8_t> bytes = read_file(path, largest_text);
-  return {bytes.begin(), bytes.end()};
+std::span<const std::uint8_t> without_mark(std::span<const std::uint8_t> bytes) {
+  constexpr std::array<std::uint8_t, 3> mark{0xEF, 0xBB, 0xBF};
+  const bool is_marked =
+      bytes.size() >= mark.size() && std::ranges::equal(bytes.first(mark.size()), mark);
+  return is_marked ? bytes.subspan(mark.size()) : bytes;
+}
+
+std::string read_text(const fs::path& path, std::uint64_t largest) {
+  const std::vector<std::uint8_t> bytes = read_file(path, largest);
+  std::string text;
+  for (const std::uint8_t byte : without_mark(bytes)) {
+    if (byte == '\n' && text.ends_with('\r')) text.pop_back();
+    text += static_cast<char>(byte);
+  }
+  return text;
 }
 
 std::uint32_t checksum(std::span<const std::uint8_t> bytes, std::uint32_t before) {

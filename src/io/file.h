@@ -84,8 +84,12 @@ std::span<const std::uint8_t> bytes_of(std::string_view text);
 std::vector<std::uint8_t> read_file(const std::filesystem::path& path,
                                     std::uint64_t largest = largest_file);
 
-/// Reads a text of at most largest_text bytes. Throws as InputFile.
-std::string read_text(const std::filesystem::path& path);
+/// The bytes without the byte order mark with which some programs begin UTF-8.
+std::span<const std::uint8_t> without_mark(std::span<const std::uint8_t> bytes);
+
+/// Reads a text as programs of any system save it: without a byte order mark, and with lines that
+/// end in LF instead of CRLF. Throws as InputFile.
+std::string read_text(const std::filesystem::path& path, std::uint64_t largest = largest_text);
 
 /// CRC-32 as in zlib; `before`: the checksum of the preceding bytes.
 std::uint32_t checksum(std::span<const std::uint8_t> bytes, std::uint32_t before = 0);

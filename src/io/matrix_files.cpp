@@ -35,7 +35,7 @@ StoredMatrix matrix_in_text(const std::string& text) {
 
   for (std::string line; std::getline(lines, line);) {
     line.resize(std::min(line.find('#'), line.size()));
-    for (const char mark : {',', ';', '[', ']', '\r'}) std::ranges::replace(line, mark, ' ');
+    for (const char mark : {',', ';', '[', ']'}) std::ranges::replace(line, mark, ' ');
     std::istringstream words(line);
 
     int columns = 0;

@@ -215,6 +215,7 @@ StoredPoints stl_points(std::span<const std::uint8_t> bytes) {
 }
 
 StoredPoints obj_points(std::span<const std::uint8_t> bytes) {
+  bytes = without_mark(bytes);
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   std::istringstream stream(vertices_and_faces(text));
   tinyobj::attrib_t attributes;

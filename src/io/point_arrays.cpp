@@ -92,8 +92,6 @@ PointArray array_in_text(std::string name, const std::string& text) {
 
   for (std::string line; std::getline(lines, line);) {
     ++line_number;
-    std::erase(line, '\r');
-    if (line_number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
 
     // numpy.savetxt writes the names of the columns as a comment.
     const bool is_comment = line.starts_with('#');
@@ -161,8 +159,7 @@ void add_file(const fs::path& path, std::vector<PointArray>& arrays) {
     if (ending == ".npy") {
       arrays.push_back(array_of(name, array_of_npy(read_file(path, largest_points))));
     } else {
-      const std::vector<std::uint8_t> bytes = read_file(path, largest_points);
-      arrays.push_back(array_in_text(name, {bytes.begin(), bytes.end()}));
+      arrays.push_back(array_in_text(name, read_text(path, largest_points)));
     }
   });
 }

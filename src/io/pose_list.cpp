@@ -118,8 +118,6 @@ std::vector<ListedPose> read_pose_list(const fs::path& path, double unit) {
   std::vector<ListedPose> poses;
   for (int line_number = 1; !text.empty(); ++line_number) {
     std::string_view line = take_until(text, '\n');
-    if (line.ends_with('\r')) line.remove_suffix(1);
-
     line.remove_prefix(std::min(line.find_first_not_of(separators), line.size()));
     if (line.empty() || line.starts_with('#')) continue;
     poses.push_back(naming(fmt::format("{}: line {}", path.string(), line_number),

@@ -139,8 +139,7 @@ WhiteBalance white_balance_of(const ScanFiles& files) {
   if (files.white) {
     white = read_colour_frames({*files.white}, files.bits);
   } else if (files.colour.empty()) {
-    const int frames = frame_count(files.sequence);
-    mean = read_frames(pattern_pictures(files, frames, files.sequence.strategy.name()),
+    mean = read_frames(pattern_pictures(files, frame_count(files.sequence)),
                        {.bits = files.bits,
                         .channel = files.channel,
                         .mosaic = files.mosaic,

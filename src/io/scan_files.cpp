@@ -94,11 +94,9 @@ Scan taken_scan(const ScanFiles& files, Image<ColourLevels>* colour) {
   }
 
   // Grey pictures; the order may leave out some of the folder's.
-  const std::string what = files.sequence.strategy.name() + " with these steps and exposures";
   FrameReading reading{.bits = files.bits, .channel = files.channel, .mosaic = files.mosaic};
   if (colour != nullptr) reading.of_colour = frames_of_colour(files.sequence);
-  LoadedFrames loaded =
-      read_frames(pattern_pictures(files, frame_count(files.sequence), what), reading);
+  LoadedFrames loaded = read_frames(pattern_pictures(files, frame_count(files.sequence)), reading);
 
   scan.frames = std::move(loaded.frames);
   if (colour != nullptr) *colour = std::move(loaded.colour);
@@ -188,7 +186,7 @@ ScanFiles one_axis(const fs::path& path, const ScanChanges& changes, Axis axis) 
 
   // Only checks the number of pictures; they are read later. A colour picture has three frames.
   if (fs::is_directory(path) && !is_in_colour(scan)) {
-    pattern_pictures(scan, frame_count(scan.sequence), "a scan with these steps");
+    pattern_pictures(scan, frame_count(scan.sequence));
   }
   return scan;
 }
@@ -221,8 +219,9 @@ BoardScans both_in_one(const fs::path& folder, const ScanChanges& changes, Axis 
     second.order = order_from(changes.order, second.sequence);
   }
 
-  const std::vector<fs::path> pictures =
-      pattern_pictures(both, count, "a scan along x and one along y");
+  both.sequence = first.sequence;
+  both.sequence.both_axes = true;
+  const std::vector<fs::path> pictures = pattern_pictures(both, count);
 
   // The pictures of the scan along the first axis come first.
   first.frames.assign(pictures.begin(), pictures.begin() + in_first);

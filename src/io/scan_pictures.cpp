@@ -1,6 +1,7 @@
 #include "io/scan_pictures.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -127,9 +128,82 @@ std::vector<int> first_of_repeats(const std::vector<fs::path>& pictures, int wan
   return order;
 }
 
+/// The frames of a strategy by their purpose, e.g. "10 bits + 2 references"; empty if they serve
+/// several.
+std::string parts_of(const Strategy& strategy) {
+  const Layout& layout = strategy.layout();
+  std::vector<std::string> parts;
+  int rest = strategy.demodulation() ? -1 : layout.frames;
+
+  const auto add = [&](std::size_t frames, const char* what) {
+    if (frames > 0) parts.push_back(fmt::format("{} {}", frames, what));
+    rest -= static_cast<int>(frames);
+  };
+
+  for (const StepRun& run : step_runs(layout)) add(static_cast<std::size_t>(run.steps), "steps");
+  add(layout.single_frames.size(), "single frames");
+  if (layout.code) {
+    add(layout.code->frames.size(), "bits");
+    add(layout.code->inverses.size(), "inverses");
+    if (rest > 0) add(static_cast<std::size_t>(rest), "references");
+  }
+  return rest == 0 ? fmt::format("{}", fmt::join(parts, " + ")) : "";
+}
+
+/// What to try so that the sequence has `count` frames: "try `bits 8`". If no setting alone does
+/// it, which ones to check.
+std::string about_settings(const Sequence& sequence, int count) {
+  constexpr std::array numbers{"steps", "low_steps", "bits", "carrier_steps"};
+  constexpr int most = 64;
+
+  // 1. The settings that may change the number of frames, with their values.
+  std::vector<std::pair<std::string, std::string>> tried;
+  for (const char* name : numbers) {
+    for (int n = 1; n <= most; ++n) tried.emplace_back(name, std::to_string(n));
+  }
+  for (const char* reference : {"mean", "none", "white-black", "inverse"}) {
+    tried.emplace_back("reference", reference);
+  }
+  for (const char* part : {"complementary", "pi_shift"}) {
+    for (const char* value : {"false", "true"}) tried.emplace_back(part, value);
+  }
+
+  // 2. Those that the strategy has. The next value of a setting makes no fewer frames, so the first
+  // with too many is the last that is tried: a strategy of a thousand frames takes long to make.
+  const int present = frame_count(sequence);
+  std::vector<std::string> fitting, known{"`strategy`"};
+  std::string exceeded;
+  for (const auto& [name, value] : tried) {
+    if (name == exceeded) continue;
+    try {
+      const int frames = frame_count(changed(sequence, {.settings = {{name, value}}}));
+      const std::string quoted = fmt::format("`{}`", name);
+      if (frames != present && known.back() != quoted) known.push_back(quoted);
+      if (frames > count) exceeded = name;
+      if (frames == count) {
+        fitting.push_back(value == "true"    ? quoted
+                          : value == "false" ? fmt::format("`no_{}`", name)
+                                             : fmt::format("`{} {}`", name, value));
+      }
+    } catch (const Error&) {  // not a setting or a value of this strategy
+    }
+  }
+
+  // 3. Several periods have frames of their own.
+  const StrategySettings settings = sequence.strategy.settings();
+  const auto periods = settings.find("periods");
+  const bool is_list =
+      periods != settings.end() && periods->second.text().find(',') != std::string::npos;
+  if (is_list) known.emplace_back("`periods`");
+
+  if (!fitting.empty()) return fmt::format("try {}", fmt::join(fitting, " or "));
+  return fmt::format("check {}", fmt::join(known, ", "));
+}
+
 /// Which pictures are too many, and what to do.
-std::string about_surplus(const std::vector<fs::path>& pictures, int wanted) {
+std::string about_surplus(const ScanFiles& files, int wanted) {
   constexpr int most_named = 8;  // more are several scans
+  const std::vector<fs::path>& pictures = files.frames;
   const int count = static_cast<int>(pictures.size()), surplus = count - wanted;
 
   if (const std::vector<int> first = first_of_repeats(pictures, wanted); !first.empty()) {
@@ -143,8 +217,9 @@ std::string about_surplus(const std::vector<fs::path>& pictures, int wanted) {
   // An order is proposed only if exactly as many pictures are suspect as are too many.
   if (static_cast<int>(extra.size()) != surplus) {
     return fmt::format(
-        "{} too many; leave them out with `order`, or check `strategy`, `steps` and `low_steps`{}",
-        surplus, count < 2 * wanted ? "" : "; reconstruct `windows :` takes them as a recording");
+        "{} too many; leave them out with `order`, or {}{}", surplus,
+        about_settings(files.sequence, count),
+        count < 2 * wanted ? "" : "; reconstruct `windows :` takes them as a recording");
   }
 
   std::vector<int> order;
@@ -162,6 +237,35 @@ std::string about_surplus(const std::vector<fs::path>& pictures, int wanted) {
                      surplus == 1 ? "" : "s", fmt::join(named, ", "), text_of_order(order));
 }
 
+/// Why the pictures are not as many as the patterns, and what to do.
+std::string about_count(const ScanFiles& files, int wanted) {
+  const Sequence& sequence = files.sequence;
+  const int count = static_cast<int>(files.frames.size()), missing = wanted - count;
+
+  // 1. The patterns of the scan. A code may have other bits along the other axis.
+  const std::vector<int> along_axes = frames_along_axes(sequence);
+  const bool once = along_axes.size() * sequence.exposures.size() == 1;
+  std::string scan = sequence.strategy.name(), parts;
+  if (along_axes.front() == along_axes.back()) parts = parts_of(sequence.strategy);
+
+  if (sequence.both_axes) scan += " along both axes";
+  if (sequence.exposures.size() > 1) {
+    scan += fmt::format(" with {} exposures", sequence.exposures.size());
+  }
+  const std::string more =
+      sequence.motion > 0 ? fmt::format(" + {} for motion", sequence.motion) : "";
+  if (!parts.empty()) parts = fmt::format(" ({}{}{})", once ? "" : "each ", parts, more);
+
+  // 2. The remedy.
+  const std::string remedy =
+      missing < 0 ? about_surplus(files, wanted)
+                  : fmt::format("likely {} missing; or {}",
+                                missing == 1 ? "a frame is" : fmt::format("{} frames are", missing),
+                                about_settings(sequence, count));
+  return fmt::format("{} frame{}, but {} has {}{}: {}", count, count == 1 ? "" : "s", scan, wanted,
+                     parts, remedy);
+}
+
 /// Whether its name begins with a dot, as files left by desktops do: .DS_Store, ._frame.png.
 bool is_hidden(const fs::path& path) {
   return path.filename().string().starts_with(".");
@@ -169,17 +273,13 @@ bool is_hidden(const fs::path& path) {
 
 }  // namespace
 
-std::vector<fs::path> pattern_pictures(const ScanFiles& files, int wanted,
-                                       const std::string& what) {
+std::vector<fs::path> pattern_pictures(const ScanFiles& files, int wanted) {
   const std::vector<fs::path>& pictures = files.frames;
   const int count = static_cast<int>(pictures.size());
 
   // Without an order, every picture is a pattern.
   if (count < wanted || (count > wanted && files.order.empty())) {
-    throw Error(fmt::format(
-        "{}: {} frames, but {} has {}{}", files.path.string(), count, what, wanted,
-        count < wanted ? "; likely a frame is missing, or `strategy`, `steps` or `low_steps` differ"
-                       : ": " + about_surplus(pictures, wanted)));
+    throw Error(fmt::format("{}: {}", files.path.string(), about_count(files, wanted)));
   }
 
   if (files.order.empty()) return pictures;

@@ -10,10 +10,9 @@ namespace slipstream {
 
 /// The pictures of `wanted` patterns, in pattern order: all of the folder's, or those chosen by its
 /// `order`, which may leave out others, such as a white picture. Throws Error for an invalid order
-/// and for another number of pictures, with the likely extra ones and an order without them.
-/// `what`: name of the scan in messages.
-std::vector<std::filesystem::path> pattern_pictures(const ScanFiles& files, int wanted,
-                                                    const std::string& what);
+/// and for another number of pictures, with the settings that fit it, or the likely extra ones and
+/// an order without them.
+std::vector<std::filesystem::path> pattern_pictures(const ScanFiles& files, int wanted);
 
 /// Whether `a` comes before `b` in natural order by name: board2 before board10.
 bool before_in_order(const std::filesystem::path& a, const std::filesystem::path& b);

@@ -79,14 +79,6 @@ void refuse_decimal_commas(std::string_view line, std::size_t line_number) {
            with_comma.substr(0, 20));
 }
 
-/// The text without the mark by which some programs begin UTF-8.
-std::span<const std::uint8_t> without_mark(std::span<const std::uint8_t> bytes) {
-  constexpr std::array<std::uint8_t, 3> mark{0xEF, 0xBB, 0xBF};
-  const bool is_marked =
-      bytes.size() >= mark.size() && std::ranges::equal(bytes.first(mark.size()), mark);
-  return is_marked ? bytes.subspan(mark.size()) : bytes;
-}
-
 /// The largest of a line's fourth to sixth words if they are whole numbers up to 255; otherwise -1.
 int colour_level(const std::vector<std::string_view>& words) {
   int largest = words.size() < 6 ? -1 : 0;

@@ -1,10 +1,17 @@
 // Scans with inconsistent frames: warned about, refused, repaired or marked.
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <filesystem>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <pty.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "io/file.h"
 #include "slipstream/scanner_file.h"
@@ -55,7 +62,8 @@ TEST_F(CheckProgram, FindsNothingAmissInAGoodScan) {
   const ProgramRun run = run_program({"check", path("scan"), path("scan")});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   const std::string line = path("scan") + ": OK: no problems found\n";
-  const std::string scale = path("scan") + ": baseline 186.3 mm, median depth ";
+  const std::string scale =
+      path("scan") + ": baseline 186.3 mm, median depth of the pixels checked ";
   EXPECT_TRUE(run.out.starts_with(line + scale)) << run.out;
   EXPECT_TRUE(says(run.out, " mm\n" + line + scale)) << run.out;
   EXPECT_EQ(run.err, "");
@@ -68,7 +76,11 @@ TEST_F(CheckProgram, TellsTheScaleOfAScannerFile) {
   const ProgramRun right = run_program({"reconstruct", path("scan"), "--json"});
   EXPECT_EQ(right.exit_code, 0) << right.err;
   EXPECT_TRUE(says(right.out, "\"baseline_mm\": 186.") && says(right.out, "\"median_depth_mm\""));
-  EXPECT_TRUE(says(right.err, "  baseline 186.3 mm, median depth ")) << right.err;
+  EXPECT_TRUE(says(right.err, "  baseline 186.3 mm, median depth of the points ")) << right.err;
+  const ProgramRun none =
+      run_program({"reconstruct", path("scan"), "--box", "0,0,1,1,1,2", "--anyway"});
+  EXPECT_TRUE(says(none.out, ": 0 points of ")) << none.out;
+  EXPECT_TRUE(says(none.out, "mm, median depth of the pixels checked ")) << none.out;
   Scanner scanner = read_scanner(path("scan/scanner.yaml"));
   scanner.translation /= 10;
   scanner.calibrated_depths.reset();
@@ -77,6 +89,77 @@ TEST_F(CheckProgram, TellsTheScaleOfAScannerFile) {
     const ProgramRun run = run_program({command, path("scan"), "--scanner", path("cm.yaml")});
     EXPECT_EQ(run.exit_code, 0) << run.err;
     EXPECT_TRUE(says(run.out + run.err, "in centimetres or inches")) << run.out << run.err;
+  }
+}
+
+/// What the program writes to stderr if that is a terminal of so many columns.
+std::string on_terminal(const std::vector<std::string>& arguments, unsigned short columns) {
+  const winsize size{.ws_row = 24, .ws_col = columns, .ws_xpixel = 0, .ws_ypixel = 0};
+  std::vector<const char*> words{SLIPSTREAM_PROGRAM};
+  for (const std::string& argument : arguments) words.push_back(argument.c_str());
+  words.push_back(nullptr);
+
+  int terminal = -1;
+  const pid_t process = ::forkpty(&terminal, nullptr, nullptr, &size);
+  if (process == 0) {
+    if (std::freopen("/dev/null", "w", stdout) == nullptr) ::_exit(126);
+    ::execv(words[0], const_cast<char* const*>(words.data()));
+    ::_exit(127);
+  }
+
+  std::string written;
+  std::array<char, 4096> part{};
+  for (ssize_t got = 0; (got = ::read(terminal, part.data(), part.size())) > 0;) {
+    written.append(part.data(), static_cast<std::size_t>(got));
+  }
+  ::close(terminal);
+  ::waitpid(process, nullptr, 0);
+  return written;
+}
+
+/// Letters past the last column of a terminal, of lines that it wraps and of those that it cuts.
+struct PastTheEdge {
+  int wrapped = 0, cut = 0;
+};
+
+PastTheEdge past_the_edge(std::string_view written, int columns) {
+  PastTheEdge past;
+  bool wraps = true;
+  int column = 0;
+
+  while (!written.empty()) {
+    const char letter = written.front();
+    if (letter == '\033') {
+      const std::string_view code = written.substr(0, written.find_first_of("hlK") + 1);
+      if (code == "\033[?7l" || code == "\033[?7h") wraps = code.back() == 'h';
+      written.remove_prefix(code.size());
+      continue;
+    }
+
+    column = letter == '\r' || letter == '\n' ? 0 : column + 1;
+    if (column > columns) ++(wraps ? past.wrapped : past.cut);
+    written.remove_prefix(1);
+  }
+  return past;
+}
+
+TEST_F(CheckProgram, LinesOfProgressAreCutAtTheTerminalsWidth) {
+  constexpr int columns = 40;
+  const std::string scan = path("scan"), long_name = path(std::string(60, 'x'));
+  fs::copy(scan, long_name);
+
+  for (const auto& [arguments, line] :
+       std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"reconstruct", long_name, "-o", path("cloud.ply")}, ": reconstructing ..."},
+           {{"check", scan, long_name}, "scans [...."},
+           {{"measure", long_name, "--plane", "20x20+30+30"}, ": reading ..."}}) {
+    const std::string written = on_terminal(arguments, columns);
+    EXPECT_NE(written.find(line), std::string::npos) << written;
+
+    const auto [wrapped, cut] = past_the_edge(written, columns);
+    EXPECT_EQ(wrapped, 0) << written;
+    EXPECT_GT(cut, 0) << written;
+    EXPECT_TRUE(written.ends_with("\033[K")) << "stays in part: " << written;
   }
 }
 

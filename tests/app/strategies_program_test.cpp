@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -135,7 +136,8 @@ TEST_P(StrategiesProgramRefused, WithWhatWouldBeRight) {
 
   simulate();
   expect_line({"reconstruct", path("scan"), "--strategy", "gray-phase"},
-              "9 frames, but gray-phase with these steps and exposures has 10");
+              "9 frames, but gray-phase has 10 (4 steps + 6 bits): likely a frame is missing; or "
+              "try --steps 3 or --no-complementary");
   std::filesystem::remove(path("scan/scan.yaml"));
   expect_line({"reconstruct", path("scan"), "--strategy", "micro", "--period-pixels", "16,15,14"},
               "--projector");
@@ -235,6 +237,71 @@ TEST_P(StrategiesProgramMicro, ReadsFramesOfAlternatingSign) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Registry, StrategiesProgramMicro, testing::Values("micro"));
+
+/// A setting given in two spellings, across the field and in projector pixels.
+struct TwoSpellings {
+  std::string strategy;
+  std::vector<std::string> one, other;
+};
+
+TEST(StrategiesProgramTwoSpellings, OfOneSettingAreRefused) {
+  const TemporaryFolder folder;
+  const std::string rig = folder.path() / "rig.yaml";
+
+  for (const auto& [strategy, one, other] :
+       {TwoSpellings{"gray", {"--stripes", "300"}, {"--stripe", "2"}},
+        TwoSpellings{"multi-frequency", {"--periods", "1,16"}, {"--period-pixels", "640,40"}},
+        TwoSpellings{"pmp", {"--frequency", "16"}, {"--period-pixels", "40"}},
+        TwoSpellings{"dual-frequency", {"--high", "16"}, {"--period-pixels", "40"}},
+        TwoSpellings{"dual-frequency", {"--low", "2"}, {"--period-pixels", "320,40"}}}) {
+    SCOPED_TRACE(testing::PrintToString(one));
+    std::vector<std::string> words{"patterns", folder.path() / "out", "--strategy",
+                                   strategy,   "--projector",         "640x480"};
+    const auto with = [&](std::vector<std::string> more) {
+      more.insert(more.begin(), words.begin(), words.end());
+      return run_program(more);
+    };
+
+    const ProgramRun both = with({one[0], one[1], other[0], other[1]});
+    EXPECT_EQ(both.exit_code, 2) << both.out;
+    EXPECT_EQ(std::count(both.err.begin(), both.err.end(), '\n'), 1) << both.err;
+    for (const std::string& flag : {one[0], other[0]}) {
+      EXPECT_TRUE(std::regex_search(both.err, std::regex(flag + "[; ]"))) << both.err;
+    }
+
+    // In a rig file, too, unless the command line gives one of them.
+    const auto line_of = [](const std::vector<std::string>& setting) {
+      return setting[0].substr(2) + ": '" + setting[1] + "'\n";
+    };
+    write_file(rig, line_of(one) + line_of(other));
+    const ProgramRun in_file = with({"--rig", rig});
+    EXPECT_EQ(in_file.exit_code, 2) << in_file.out;
+    EXPECT_NE(in_file.err.find("rig.yaml: line "), std::string::npos) << in_file.err;
+
+    if (one[0] == "--low") continue;  // of two periods in pixels it replaces one
+    write_file(rig, line_of(other));
+    const ProgramRun overridden = with({one[0], one[1], "--rig", rig});
+    EXPECT_EQ(overridden.exit_code, 0) << overridden.err;
+    const std::string said = contents(folder.path() / "out" / "scan.yaml");
+    EXPECT_NE(said.find(one[1]), std::string::npos) << said;
+  }
+}
+
+/// Former names are the same flags; each is refused beside its present one.
+TEST(StrategiesProgramTwoSpellings, OfAFlagAreOneFlag) {
+  for (const auto& [now, former] : std::vector<std::pair<std::string, std::string>>{
+           {"--minimum-modulation", "--min-modulation"},
+           {"--smallest-component", "--min-component"},
+           {"--largest-sigma", "--max-sigma"},
+           {"--widest-gap", "--fill"},
+           {"--smoothing", "--smooth"},
+           {"--ambient-light", "--ambient"}}) {
+    const ProgramRun run = run_program({"reconstruct", "scan", now, "1", former, "2"});
+    EXPECT_EQ(run.exit_code, 2) << now;
+    EXPECT_NE(run.err.find(now), std::string::npos) << run.err;
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+  }
+}
 
 TEST(StrategiesProgramStripesInPixels, AreOfThatWidthAlongBothAxes) {
   const TemporaryFolder folder;

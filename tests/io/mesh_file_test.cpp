@@ -22,8 +22,10 @@ TEST(MeshFile, ReadsPlyAndObj) {
              "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
              "property float z\nelement face 2\nproperty list uchar int vertex_indices\n"
              "end_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0.5\n3 0 1 2\n3 0 2 3\n");
-  write_file(folder.path() / "square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0.5\nf 1 2 3 4\n");
-  for (const char* name : {"square.ply", "square.obj"}) {
+  const std::string obj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0.5\nf 1 2 3 4\n";
+  write_file(folder.path() / "square.obj", obj);
+  write_file(folder.path() / "marked.obj", "\xEF\xBB\xBF" + obj);
+  for (const char* name : {"square.ply", "square.obj", "marked.obj"}) {
     const Mesh mesh = read_mesh(folder.path() / name);
     EXPECT_EQ(mesh.triangles.size(), 2U) << name;
     double top = 0;

@@ -104,6 +104,47 @@ TEST_F(ScanPictures, ARepeatedOneIsToo) {
   expect_error([&] { load("gray-phase"); }, {"1 too many, likely frame 10 (repeats frame 0)"});
 }
 
+TEST_F(ScanPictures, TooFewOrManyTellWhatTheStrategyHasAndWhatWouldFit) {
+  add(parts_of(frames_of(GrayCode{}), {10}).front());
+
+  struct Mistake {
+    SequenceChanges changes;
+    std::string words;
+  };
+  const SequenceChanges gray{.strategy = "gray"};
+  for (const auto& [changes, words] :
+       {Mistake{gray,
+                "gray has 12 (10 bits + 2 references): likely 2 frames are missing; or try "
+                "`bits 8` or `reference mean` or `reference none`"},
+        Mistake{{.strategy = "gray", .settings = {{"bits", "9"}, {"reference", "none"}}},
+                "gray has 9 (9 bits): 1 too many; leave them out with `order`, or try `bits 10`"},
+        Mistake{{.strategy = "xor-gray"},
+                "xor-gray has 20 (10 bits + 10 inverses): likely 10 frames are missing; or try "
+                "`bits 5` or `reference mean` or `reference none`"},
+        Mistake{{.strategy = "gray", .exposures = std::vector{1.0, 4.0}},
+                "gray with 2 exposures has 24 (each 10 bits + 2 references): likely 14 frames are "
+                "missing; or try `bits 3`"},
+        Mistake{{.strategy = "gray", .axes = "both"},
+                "gray along both axes has 24 (each 10 bits + 2 references): likely 14 frames are "
+                "missing; or try `bits 3`"},
+        Mistake{{.strategy = "gray-phase", .settings = {{"periods", "64"}}},
+                "gray-phase has 11 (4 steps + 7 bits): likely a frame is missing; or try `steps 3` "
+                "or `no_complementary`"},
+        Mistake{{.strategy = "dual-frequency"},
+                "dual-frequency has 6 (3 steps + 3 steps): 4 too many; leave them out with "
+                "`order`, or try `steps 5` or `low_steps 7`"},
+        Mistake{{.strategy = "fast-three-step"}, "or check `strategy`"},
+        Mistake{{.strategy = "multi-frequency"},
+                "multi-frequency has 9 (3 steps + 3 steps + 3 steps): 1 too many; leave them out "
+                "with `order`, or check `strategy`, `steps`, `periods`"},
+        Mistake{{.strategy = "micro"},
+                "micro has 7 (3 steps + 4 single frames): 3 too many; leave them out with "
+                "`order`, or check `strategy`, `periods`"}}) {
+    const ScanChanges scan{.sequence = changes};
+    expect_error([&] { load_scan(folder(), scan); }, {"10 frames, but ", words});
+  }
+}
+
 TEST_F(ScanPictures, OfPatternsTakenSeveralTimesAreNamedWithAnOrder) {
   const FrameSet patterns = frames_of(DualFrequency{});
   add(reordered(joined({patterns, patterns, patterns}),

@@ -1,7 +1,9 @@
 #include "slipstream/virtual_scanner.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <span>
 #include <variant>
 
 #include <gtest/gtest.h>
@@ -117,6 +119,37 @@ TEST(VirtualScanner, MovingThingsAreSeenWhereTheyAreInEachFrame) {
     const double depth = middle.depth.begin()[i], told = moving.depth.begin()[i];
     ASSERT_TRUE(std::isnan(depth) == std::isnan(told) && !(std::abs(depth - told) > 1e-9)) << i;
   }
+}
+
+TEST(VirtualScanner, StopsBetweenRowsAndLeavesTheRestDark) {
+  const Scanner scanner = example_scanner({48, 36});
+  const Scene board = scene_named("board", scanner);
+  const VirtualScan whole = take_scan(scanner, board, patterns);
+
+  std::atomic<int> asked = 0;
+  const auto stop_after = [&](int rows) {
+    asked = 0;
+    return take_scan(scanner, board, patterns, {}, 0, [&, rows] { return asked++ >= rows; });
+  };
+  const auto rows_in = [](const VirtualScan& scan) {
+    int rows = 0;
+    for (int row = 0; row < scan.depth.height(); ++row) {
+      const std::span<const double> depths(scan.depth.row(row), scan.depth.width());
+      rows += std::ranges::any_of(depths, [](double z) { return std::isfinite(z); }) ? 1 : 0;
+    }
+    return rows;
+  };
+
+  ASSERT_EQ(rows_in(whole), 36);
+  const VirtualScan part = stop_after(10);
+  EXPECT_EQ(rows_in(part), 10);
+  EXPECT_EQ(part.frames.count(), whole.frames.count());
+  EXPECT_EQ(std::ranges::max(frame<int>(part, 0)), 0);
+
+  // Asked for each row twice: where its pixels look, and for their light.
+  const VirtualScan all = stop_after(1000);
+  EXPECT_EQ(asked, 2 * 36);
+  EXPECT_TRUE(std::ranges::equal(frame<int>(all, 1), frame<int>(whole, 1)));
 }
 
 TEST(VirtualScanner, RefusesLightAndSensorsThatCannotBe) {

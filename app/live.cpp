@@ -206,6 +206,24 @@ ServedRig served(const Command& read) {
   return {read.rig, flags};
 }
 
+/// Waits for that time, or until SIGHUP asks for a reload or a signal for the end. Returns whether
+/// SIGHUP has come.
+bool reload_is_wanted_within(std::chrono::milliseconds time) {
+  for (constexpr std::chrono::milliseconds step(20); time.count() > 0; time -= step) {
+    if (take_reload_request()) return true;
+    if (stopped_by_signal()) break;
+    std::this_thread::sleep_for(step);
+  }
+  return false;
+}
+
+/// How a service goes on if its next run cannot begin.
+struct Fallback {
+  std::optional<ServedRig> before{};  ///< settings that worked before
+  bool returns = false;               ///< the run has them again
+  bool waits = false;                 ///< they do not work either, as while the camera is away
+};
+
 void serve(const LiveFlags& given, Output& output) {
   const ReadAgain read_again = given.command->read_again;
   ServedRig now = served(*given.command);
@@ -214,22 +232,22 @@ void serve(const LiveFlags& given, Output& output) {
   const RunEnd end(std::nullopt);
 
   // A service keeps running with what worked before.
-  const auto refuse = [&](const std::exception& error) {
-    output.warn(fmt::format("{}; continuing with the old settings", error.what()));
+  const auto refuse = [&](const std::exception& error, const char* then) {
+    output.warn(fmt::format("{}; {}", error.what(), then));
   };
 
-  std::optional<ServedRig> before;  // until a run with the new file has begun
+  Fallback fallback;
   while (true) {
     // Called by the run: once it works, and when SIGHUP asks for a reload.
     std::optional<ServedRig> next;
-    now.flags.begun = [&] { before.reset(); };
+    now.flags.begun = [&] { fallback = {}; };
 
     now.flags.reload = [&] {
       try {
         next = served(*read_again());
         output.say("restarting");
       } catch (const std::exception& error) {
-        refuse(error);
+        refuse(error, "continuing with the old settings");
       }
       return next.has_value();
     };
@@ -239,20 +257,27 @@ void serve(const LiveFlags& given, Output& output) {
       locating(now.rig, [&] { live(now.flags, output); });
       if (!next || stopped_by_signal()) return;
     } catch (const std::exception& error) {
-      if (stopped_by_signal() || (!next && !before)) throw;
-
-      // New settings have failed, which is only known once everything is opened.
-      if (!next) {
-        refuse(error);
-        now = *std::exchange(before, std::nullopt);
-        continue;
-      }
+      auto& [before, returns, waits] = fallback;
+      const bool has_begun = !before && !returns;
+      if (has_begun && (!next || stopped_by_signal())) throw;
+      if (stopped_by_signal()) return;
 
       // The run ended for new settings, but could not complete its files.
-      output.warn(error.what());
+      if (next) {
+        output.warn(error.what());
+      } else if (before) {  // new settings have failed, which is only known once all is opened
+        refuse(error, "continuing with the old settings");
+        now = *std::exchange(before, std::nullopt);
+        returns = true;
+        continue;
+      } else {
+        if (!std::exchange(waits, true)) refuse(error, "trying again");
+        if (reload_is_wanted_within(std::chrono::seconds(1))) now.flags.reload();
+        if (!next) continue;
+      }
     }
 
-    before = std::exchange(now, *next);
+    fallback.before = std::exchange(now, *next);
   }
 }
 

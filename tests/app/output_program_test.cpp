@@ -153,9 +153,16 @@ class WritesOutput : public testing::TestWithParam<WritingFlag> {
   /// Runs the command with this output.
   [[nodiscard]] ProgramRun write_to(const std::string& output) const {
     const WritingFlag& writing = GetParam();
+    Words flag{writing.begin + output};
+    if (writing.flag.starts_with('-')) flag.insert(flag.begin(), writing.flag);
+    return run_with(flag);
+  }
+
+  /// Runs the command with these words, without its output.
+  [[nodiscard]] ProgramRun run_with(const Words& flag) const {
+    const WritingFlag& writing = GetParam();
     Words words = writing.command;
-    if (writing.flag.starts_with('-')) words.push_back(writing.flag);
-    words.push_back(writing.begin + output);
+    words.insert(words.end(), flag.begin(), flag.end());
     words.insert(words.end(), writing.more.begin(), writing.more.end());
 
     for (std::string& word : words) replace(word, '@', folder());
@@ -276,40 +283,20 @@ TEST_P(OutputProgramFileFlags, ReplaceTheTargetOfALink) {
   EXPECT_EQ(entries_in(below), 1);
 }
 
-TEST_P(OutputProgramFileFlags, RefuseAFolder) {
-  fs::create_directory(target());
-  expect_failed(write_to(target()), 1, "not a regular file");
-  EXPECT_EQ(entries_in(target()), 0);
-  EXPECT_EQ(entries_in(folder()), 1);
-}
-
-TEST_P(OutputProgramFileFlags, RefuseAMissingFolder) {
-  expect_failed(write_to(folder() / "missing" / GetParam().name), 1, "No such file or directory");
-  EXPECT_EQ(entries_in(folder()), 0);
-}
-
-TEST_P(OutputProgramFileFlags, RefuseAFolderThatIsNotWritable) {
-  const fs::path locked = folder() / "locked";
-  fs::create_directory(locked);
-  fs::permissions(locked, fs::perms(0555));
-  expect_failed(write_to(locked / GetParam().name), 1, "Permission denied");
-  EXPECT_EQ(entries_in(folder()), 1);
-}
-
 TEST_P(OutputProgramFileFlags, MakeNoFileCalledDash) {
   expect_no_file_called_dash();
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, OutputProgramFileFlags, testing::ValuesIn(file_flags));
 
-/// Devices and pipes are refused before any work, so that these need no inputs.
+/// Refused before any work, so that these need no inputs.
 class OutputProgramDeviceOutputs : public WritesOutput {};
 
 TEST_P(OutputProgramDeviceOutputs, AreRefused) {
   const fs::path pipe = folder() / "pipe";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
 
-  for (const fs::path& special : {fs::path("/dev/null"), pipe}) {
+  for (const fs::path& special : {fs::path("/dev/null"), pipe, folder()}) {
     fs::create_symlink(special, target());
     expect_failed(write_to(target()), 1, "not a regular file");
     EXPECT_EQ(fs::read_symlink(target()), special);
@@ -322,8 +309,48 @@ TEST_P(OutputProgramDeviceOutputs, AreRefused) {
   EXPECT_EQ(entries_in(folder()), 1);
 }
 
+TEST_P(OutputProgramDeviceOutputs, AreNoFolders) {
+  fs::create_directory(target());
+  expect_failed(write_to(target()), 1, "not a regular file");
+  EXPECT_EQ(entries_in(target()), 0);
+  EXPECT_EQ(entries_in(folder()), 1);
+}
+
+TEST_P(OutputProgramDeviceOutputs, AreInNoMissingFolder) {
+  expect_failed(write_to(folder() / "missing" / GetParam().name), 1, "No such file or directory");
+  EXPECT_EQ(entries_in(folder()), 0);
+}
+
+TEST_P(OutputProgramDeviceOutputs, AreInNoFolderThatIsNotWritable) {
+  const fs::path locked = folder() / "locked";
+  fs::create_directory(locked);
+  fs::permissions(locked, fs::perms(0555));
+  expect_failed(write_to(locked / GetParam().name), 1, "Permission denied");
+  EXPECT_EQ(entries_in(folder()), 1);
+}
+
 INSTANTIATE_TEST_SUITE_P(Of, OutputProgramDeviceOutputs,
                          testing::ValuesIn(joined(file_flags, idle_flags)));
+
+/// Flags that a rig file can set: not arguments and -o, and its `mesh` is another setting.
+std::vector<WritingFlag> rig_flags() {
+  std::vector<WritingFlag> flags = joined(file_flags, idle_flags);
+  std::erase_if(flags, [](const WritingFlag& one) {
+    return !one.flag.starts_with("--") || one.flag == "--mesh";
+  });
+  return flags;
+}
+
+class OutputProgramRigFiles : public WritesOutput {};
+
+TEST_P(OutputProgramRigFiles, NameNoOutputElsewhere) {
+  const std::string rig = folder() / "rig.yaml", setting = GetParam().flag.substr(2);
+  std::ofstream(rig) << setting << ": '" << GetParam().begin << target().string() << "'\n";
+  expect_failed(run_with({"--rig", rig}), 2, "only to the working folder");
+  EXPECT_EQ(entries_in(folder()), 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, OutputProgramRigFiles, testing::ValuesIn(rig_flags()));
 
 /// As OutputProgramDeviceOutputs, of flags that have no case of OutputProgramFileFlags.
 class OutputProgramIdleOutputs : public WritesOutput {};
@@ -344,19 +371,25 @@ TEST_P(OutputProgramFolderFlags, MakeANewFolder) {
   EXPECT_GT(entries_in(target()), 0);
 }
 
-TEST_P(OutputProgramFolderFlags, RefuseAFileAndADevice) {
+TEST_P(OutputProgramFolderFlags, RefuseAFileADeviceAndAPipe) {
+  const auto expect_refused = [&] {
+    const ProgramRun run = write_to(target());
+    EXPECT_NE(run.exit_code, 0);
+    expect_failed(run, target());
+  };
+
   std::ofstream(target()) << "precious";
-  const ProgramRun over_file = write_to(target());
-  EXPECT_NE(over_file.exit_code, 0);
-  expect_failed(over_file, target());
+  expect_refused();
   EXPECT_EQ(contents(target()), "precious");
 
-  fs::remove(target());
-  fs::create_symlink("/dev/null", target());
-  const ProgramRun over_device = write_to(target());
-  EXPECT_NE(over_device.exit_code, 0);
-  expect_failed(over_device, target());
-  EXPECT_EQ(fs::read_symlink(target()), "/dev/null");
+  const fs::path pipe = folder() / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  for (const fs::path& special : {fs::path("/dev/null"), pipe}) {
+    fs::remove(target());
+    fs::create_symlink(special, target());
+    expect_refused();
+    EXPECT_EQ(fs::read_symlink(target()), special);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, OutputProgramFolderFlags, testing::ValuesIn(folder_flags));

@@ -204,6 +204,7 @@ INSTANTIATE_TEST_SUITE_P(
         RefusedSetting{"plots: bashrc", {"reproduce", "--list"}, "folder"},
         RefusedSetting{"publish: ['web:0.0.0.0:0']", live_command, "--public"},
         RefusedSetting{"publish: ['web:[::]:0']", live_command, "--public"},
+        RefusedSetting{"publish: ['tcp:0.0.0.0:0']", live_command, "--public"},
         RefusedSetting{"publish: '[web:0.0.0.0:0,web:0]'", live_command, "--public"},
         RefusedSetting{"publish: ['genicam:192.0.2.1']", live_command, "--public"},
         RefusedSetting{"publish: ['ros2:scanner']", live_command, "--public"},

@@ -185,7 +185,7 @@ TEST_F(CameraProgram, ANodeThatIsMissingRefusesOrReadsBackDifferentIsOneLine) {
 
 TEST_F(CameraProgram, ListsTheServedCameraAsItIsOpened) {
   RunningProgram server = serve();
-  ASSERT_TRUE(server.wait_for_words("serving")) << server.words();
+  ASSERT_TRUE(server.wait_for_words("serving pmp of 160x120 at 127.0.0.1 ")) << server.words();
   RunningProgram list({"camera", "list", "--json"});
   EXPECT_EQ(list.wait(), 0) << list.words();
   EXPECT_NE(list.words().find("aravis:Aravis-Fake-PROGRAM"), std::string::npos) << list.words();

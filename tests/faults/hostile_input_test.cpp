@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <fmt/format.h>
@@ -61,6 +62,7 @@ TEST_F(HostileInput, PipesDevicesAndLinksInARingAreRefusedAtOnce) {
       fs::rename(kept, replaced);
     }
   }
+  expect_refused({"simulate", path("other"), "--rig", path("scan")}, wanted);
   expect_refused({"reconstruct", path("ring")}, ring);
   expect_refused({"reconstruct", path("scan"), "--scanner", path("ring")}, ring);
   expect_refused({"check", std::string(5000, 'n')}, "name too long");
@@ -68,6 +70,34 @@ TEST_F(HostileInput, PipesDevicesAndLinksInARingAreRefusedAtOnce) {
     expect_refused(
         {"reconstruct", path("scan"), "-o", path("cloud.ply"), "--manifest", special, "--resume"},
         special, 1);
+  }
+}
+
+TEST_F(HostileInput, FilesAboveTheirLimitAreRefused) {
+  fs::create_directory(path("cut"));
+  fs::copy(path("scan"), path("cut"));
+  const std::uintmax_t mebi = 1 << 20, gibi = 1 << 30;
+
+  for (const auto& [name, limit, arguments] :
+       std::vector<std::tuple<std::string, std::uintmax_t, std::vector<std::string>>>{
+           {"cut/scan.yaml", mebi, {"check", path("cut")}},
+           {"cut/scanner.yaml", mebi, {"check", path("scan"), "--scanner"}},
+           {"rig.yaml", mebi, {"check", path("scan"), "--rig"}},
+           {"poses.txt", mebi, {"merge", path("scan"), path("scan"), "--start"}},
+           {"scanner.npz", 64 * mebi, {"check", path("scan"), "--scanner"}},
+           {"map.tiff", 2 * gibi - 1, {"unwrap", "-o", path("phase.npy")}},
+           {"cloud.ply", 4 * gibi, {"convert", "-o", path("cloud.pcd")}},
+           {"mesh.ply", 4 * gibi, {"simulate", path("other"), "--mesh"}},
+           {"list.txt", 4 * gibi, {"reconstruct", "-o", path("{name}.ply")}},
+           {"done.jsonl",
+            4 * gibi,
+            {"reconstruct", path("scan"), "-o", path("a.ply"), "--resume", "--manifest"}}}) {
+    std::ofstream(path(name), std::ios::app) << "";
+    fs::resize_file(path(name), limit + 1);
+    std::vector<std::string> words = arguments;
+    if (name != "cut/scan.yaml") words.push_back(path(name));
+    expect_refused(words, fmt::format("has {} bytes; limit {}", limit + 1, limit));
+    fs::resize_file(path(name), 0);
   }
 }
 
@@ -164,15 +194,27 @@ TEST_F(HostileInput, OutputsBesideTheScanAreWrittenAgainAndAgain) {
 TEST_F(HostileInput, ARecordingThatASignalEndsLeavesNothing) {
   const std::string recording = path("large.slip");
   std::ofstream(recording) << "old";
-  RunningProgram program({"simulate", recording, "--camera", "640x480", "--steps", "64"});
-  EXPECT_TRUE(wait_until([&] {
+  const auto has_part = [&] {
     return std::any_of(fs::directory_iterator(folder_.path()), fs::directory_iterator(),
                        [](const auto& entry) { return entry.path().extension() == ".part"; });
-  }));
-  program.send(SIGTERM);
-  EXPECT_NE(program.wait(), 0);
-  EXPECT_EQ(contents(recording), "old");
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()), 2);
+  };
+
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGKILL}) {
+    RunningProgram program({"simulate", recording, "--camera", "640x480", "--steps", "64"});
+    EXPECT_TRUE(wait_until(has_part));
+    program.send(signal);
+    EXPECT_NE(program.wait(), 0);
+    EXPECT_EQ(contents(recording), "old");
+    EXPECT_EQ(has_part(), signal == SIGKILL) << signal;
+  }
+}
+
+TEST_F(HostileInput, AScanIsDescribedOnceItsFramesAreThere) {
+  const long less_than_a_frame = 1000;
+  const ProgramRun run =
+      run_program({"simulate", path("cut"), "--camera", "64x48"}, less_than_a_frame);
+  EXPECT_EQ(run.exit_code, 1) << run.err;
+  EXPECT_FALSE(fs::exists(path("cut/scan.yaml")));
 }
 
 TEST_F(HostileInput, StandardOutputThatTakesNothingIsAFailure) {
@@ -232,16 +274,52 @@ TEST_F(HostileInput, AFileThatMayNotGrowIsToldAndGone) {
   }
 }
 
-TEST_F(HostileInput, HangingUpFinishesARecording) {
-  RunningProgram record({"record", "--source", "virtual", "--camera", "64x48", "--rate", "50", "-o",
-                         path("frames.slip")});
-  ASSERT_TRUE(wait_until([&] {
-    std::error_code none;
-    return fs::file_size(path("frames.slip"), none) > 100000 && !none;
-  }));
-  record.send(SIGHUP);
-  EXPECT_EQ(record.wait(), 0) << record.err();
-  EXPECT_TRUE(RecordingReader(path("frames.slip")).finished());
+TEST_F(HostileInput, ASignalFinishesARecordingAndAKillCostsNoWholeFrame) {
+  const std::vector<std::string> record{
+      "record", "--source", "virtual", "--camera",          "64x48",
+      "--rate", "50",       "-o",      path("frames.slip"), "--frames"};
+  const auto run_until_frames = [&](const std::string& frames) {
+    std::vector<std::string> words = record;
+    words.push_back(frames);
+    RunningProgram program(words);
+    EXPECT_TRUE(wait_until([&] {
+      std::error_code none;
+      return fs::file_size(path("frames.slip"), none) > 100000 && !none;
+    }));
+    return program;
+  };
+
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGKILL}) {
+    RunningProgram program = run_until_frames("1000000");
+    program.send(signal);
+    EXPECT_EQ(program.wait(), signal == SIGKILL ? -SIGKILL : 0) << program.err();
+
+    const RecordingReader reader(path("frames.slip"));
+    EXPECT_EQ(reader.finished(), signal != SIGKILL);
+    EXPECT_LE(reader.dropped(), 1U);
+    EXPECT_GE((reader.count() + 1) * (64 * 48 + 64), 100000U);
+    fs::remove(path("frames.slip"));
+  }
+
+  // As with nohup.
+  const auto before = ::signal(SIGHUP, SIG_IGN);
+  RunningProgram program = run_until_frames("100");
+  ::signal(SIGHUP, before);
+  program.send(SIGHUP);
+  EXPECT_EQ(program.wait(), 0) << program.err();
+  EXPECT_EQ(RecordingReader(path("frames.slip")).count(), 100U);
+}
+
+TEST_F(HostileInput, ASecondSignalEndsARunThatCannotComplete) {
+  // The cloud, which the first signal brings, does not fit into a pipe that nobody reads.
+  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  const std::string command = fmt::format(
+      "bash -c 'exec 3<>{0}; {1} live --source virtual --world ideal --camera 320x240 --rate 50"
+      " --headless --record {2} -o - >&3 2>{3} & until [ -s {2} ]; do sleep 0.1; done; sleep 2;"
+      " kill -TERM $!; sleep 2; kill -TERM $!; wait $!'",
+      path("pipe"), SLIPSTREAM_PROGRAM, path("a.slip"), path("err"));
+  const int status = std::system(command.c_str());  // NOLINT(cert-env33-c)
+  EXPECT_EQ(WEXITSTATUS(status), 128 + SIGTERM) << contents(path("err"));
 }
 
 TEST_F(HostileInput, LibrariesSayNothingOfTheirOwn) {
@@ -269,6 +347,7 @@ TEST_F(HostileInput, ControlCharactersDoNotReachTheTerminal) {
     for (const char c : {'\x1b', '\a', '\x9b'}) {
       EXPECT_EQ((run.err + run.out).find(c), std::string::npos) << run.err;
     }
+    EXPECT_NE(run.err.find("\\x1b[31m"), std::string::npos) << run.err;
   }
 }
 
@@ -300,6 +379,8 @@ TEST_F(HostileInput, NamesWithControlCharactersStayOnTheirLine) {
                 0)
           << words;
       EXPECT_EQ(words.find("\nQZ"), std::string::npos) << words;
+      const bool names_it = !json && run.exit_code == 0 && words.find("QZ") != std::string::npos;
+      EXPECT_TRUE(!names_it || words.find("\\x0aQZ") != std::string::npos) << words;
       EXPECT_GE(run.exit_code, 0) << words;
       EXPECT_TRUE(!json || nlohmann::json::accept(run.out)) << run.out;
     }

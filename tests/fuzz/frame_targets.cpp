@@ -1,6 +1,9 @@
 // Frames of any content: their alignment as they come, and both engines on them.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <type_traits>
 
 #include "decode/frame_adapter.h"
 #include "decode/neighbours.h"
@@ -78,12 +81,8 @@ bool is_off_field(Validity validity) {
   return validity == Validity::no_point || validity == Validity::outside_field;
 }
 
-/// Any pixels in any scanner: a point is finite where it is valid, and the fused pass and the
-/// reference engine agree on nearly all of them. Where a limit or a tie is met to rounding they may
-/// not.
-void compare_engines(std::span<const std::uint8_t> input) {
+EngineSetup setup_from(InputNumbers& numbers) {
   static const std::vector<Strategy> all = every_phase_strategy();
-  InputNumbers numbers(input);
   EngineSetup setup{.scanner = scanner_of(numbers),
                     .sequence = {.strategy = strategy_of(numbers, all)}};
   setup.settings.clean = CleanSettings::none();
@@ -91,28 +90,61 @@ void compare_engines(std::span<const std::uint8_t> input) {
   setup.settings.phase_method = PhaseMethod::equation;
   setup.scanner.photometry.ambient = numbers.between(-20, 60);
   setup.sequence.axis = numbers.below(2) == 0 ? Axis::x : Axis::y;
-  Frames<std::uint8_t> views;
-  std::vector<Image<std::uint8_t>> frames;
-  for (int n = 0; n < frame_count(setup.sequence); ++n)
-    frames.emplace_back(setup.scanner.camera.size);
-  const auto pixels = numbers.rest();
-  std::size_t next = 0;
-  for (auto& frame : frames) {
-    for (std::uint8_t& pixel : frame) {
-      pixel = pixels.empty() ? 0 : pixels[next++ % pixels.size()];
-    }
-    views.push_back(frame);
+  return setup;
+}
+
+/// The pixel that a byte stands for: of all grey levels, and beyond them if unquantised.
+template <class Pixel>
+Pixel pixel_of(std::uint8_t byte) {
+  if constexpr (std::is_same_v<Pixel, double>) {
+    using Limits = std::numeric_limits<double>;
+    constexpr std::array special{Limits::quiet_NaN(), Limits::infinity(), -Limits::infinity(),
+                                 Limits::max(),       Limits::lowest(),   Limits::denorm_min()};
+    const std::size_t place = 255U - byte;
+    return place < special.size() ? special[place] : 1.1 * byte - 20;
+  } else {
+    return static_cast<Pixel>(std::numeric_limits<Pixel>::max() / 255 * byte);
   }
+}
+
+/// The frames of a scan, of the input's bytes over and over.
+template <class Pixel>
+std::vector<Image<Pixel>> frames_from(std::span<const std::uint8_t> bytes,
+                                      const EngineSetup& setup) {
+  std::vector<Image<Pixel>> frames;
+  std::size_t next = 0;
+  for (int n = 0; n < frame_count(setup.sequence); ++n) {
+    for (Pixel& pixel : frames.emplace_back(setup.scanner.camera.size)) {
+      pixel = bytes.empty() ? Pixel{} : pixel_of<Pixel>(bytes[next++ % bytes.size()]);
+    }
+  }
+  return frames;
+}
+
+void require_finite_where_valid(const Cloud& cloud) {
+  for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
+    if (std::isfinite(cloud.z.begin()[i]) != (cloud.validity.begin()[i] == Validity::valid)) {
+      throw std::logic_error("a valid point that is not finite, or the other way round");
+    }
+  }
+}
+
+/// Any pixels in any scanner: a point is finite where it is valid, and the fused pass and the
+/// reference engine agree on nearly all of them. Where a limit or a tie is met to rounding they may
+/// not.
+void compare_engines(std::span<const std::uint8_t> input) {
+  InputNumbers numbers(input);
+  EngineSetup setup = setup_from(numbers);
+  const FrameSet frames = frames_from<std::uint8_t>(numbers.rest(), setup);
   Cloud fused, reference;
-  Engine(setup).cloud(views, fused);
+  Engine(setup).cloud(frames, fused);
   setup.settings.engine = EngineKind::reference;
-  Engine(setup).cloud(views, reference);
+  Engine(setup).cloud(frames, reference);
+  require_finite_where_valid(fused);
+
   std::size_t other = 0;
   for (std::size_t i = 0; i < fused.z.pixel_count(); ++i) {
     const float a = fused.z.begin()[i], b = reference.z.begin()[i];
-    if (std::isfinite(a) != (fused.validity.begin()[i] == Validity::valid)) {
-      throw std::logic_error("a valid point that is not finite, or the other way round");
-    }
     const Validity by_fused = fused.validity.begin()[i],
                    by_reference = reference.validity.begin()[i];
     const bool same = by_fused == by_reference
@@ -122,6 +154,22 @@ void compare_engines(std::span<const std::uint8_t> input) {
   }
   if (other > fused.z.pixel_count() / 8) {
     throw std::logic_error(std::to_string(other) + " pixels of other points by the engines");
+  }
+}
+
+/// Pixels of 16 bits and unquantised ones, not all of which are finite.
+void make_clouds(std::span<const std::uint8_t> input) {
+  InputNumbers numbers(input);
+  EngineSetup setup = setup_from(numbers);
+  const FrameSet sets[]{{frames_from<std::uint16_t>(numbers.rest(), setup), 16},
+                        {frames_from<double>(numbers.rest(), setup)}};
+  for (const EngineKind engine : {EngineKind::automatic, EngineKind::reference}) {
+    setup.settings.engine = engine;
+    for (const FrameSet& frames : sets) {
+      Cloud cloud;
+      Engine(setup).cloud(frames, cloud);
+      require_finite_where_valid(cloud);
+    }
   }
 }
 
@@ -168,6 +216,8 @@ const bool knows_frame_targets =
     add_fuzz_target({"alignment", [] { return noise(200); }, align_frames}) &&
     add_fuzz_target({"decoder", [] { return noise(1000); }, compare_engines, 4}, 1000,
                     std::uint64_t{1} << 30) &&  // tables of two engines
+    add_fuzz_target({"values", [] { return noise(1000); }, make_clouds, 8}, 1000,
+                    std::uint64_t{1} << 30) &&
     add_fuzz_target({"locate", [] { return noise(400); }, locate, 4});
 
 }  // namespace

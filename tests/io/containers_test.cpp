@@ -200,7 +200,7 @@ TEST(Containers, TiffStackIsRefusedIfPagesAreMissing) {
   write_stack(stack, frames);
   fs::resize_file(stack, fs::file_size(stack) / 2);
   const ScanChanges changes = shown(four_steps);
-  expect_error([&] { load_frames(scan_files_in(folder.path(), changes)); }, {"1 frames"});
+  expect_error([&] { load_frames(scan_files_in(folder.path(), changes)); }, {"1 frame, "});
   expect_error([&] { (void)read_frames({stack}); }, {"stack.tif", "incomplete TIFF"});
   write_stack(stack, frames, {.pages = 1, .description = "ImageJ=1.53t\nimages=4\nslices=4\n"});
   expect_error([&] { (void)read_frames({stack}); }, {"stack.tif", "ImageJ", "one directory"});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <span>
 #include <string>
 #include <vector>
@@ -207,8 +208,9 @@ TEST(File, OutputFileTemporaryNamesAreNoTwiceTheSame) {
   const TemporaryFolder folder;
   const OutputFile first(folder.path() / "note"), second(folder.path() / "note");
   EXPECT_EQ(entries_in(folder.path()), 2);
+  const std::regex name("note\\.[0-9a-f]{16}\\.part");
   for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
-    EXPECT_EQ(entry.path().extension(), ".part");
+    EXPECT_TRUE(std::regex_match(entry.path().filename().string(), name)) << entry.path();
   }
 }
 

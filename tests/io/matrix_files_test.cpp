@@ -113,13 +113,17 @@ TEST(MatrixFiles, MayBeStoredByColumns) {
   EXPECT_EQ(read.numbers[1], matrix(0, 1));
 }
 
-TEST(MatrixFiles, RefuseMoreThan64MiBTogether) {
+TEST(MatrixFiles, RefuseMoreThan64MiBOr4096Arrays) {
   const std::string large(std::size_t{40} << 20, '\0');
   const std::string zip = zip_of({{"a.npy", large}, {"b.npy", large}}, false);
   expect_error([&] { (void)arrays_of_npz(bytes_of(zip), std::uint64_t{1} << 26); }, {"64 MiB"});
 
   // Those above the limit of one array do not count.
   EXPECT_EQ(arrays_of_npz(bytes_of(zip), 1000).size(), 2U);
+
+  const std::string many =
+      zip_of(std::vector(4097, std::pair{std::string("a.npy"), std::string()}), false);
+  expect_error([&] { (void)arrays_of_npz(bytes_of(many), 1000); }, {"4097 arrays", "4096"});
 }
 
 TEST(MatrixFiles, NameWhatIsThereIfOneIsMissing) {

@@ -26,7 +26,13 @@ TEST(ScanList, ReadsLinesAsTheyAreWritten) {
     expect_error([&] { (void)scan_list_from(bad, "list.txt"); }, {"list.txt: line 1: "});
   }
   expect_error([] { (void)text_of(std::vector<ListedScans>{{.path = "a\nb"}}); }, {"line break"});
-  expect_error([] { (void)scan_names({{.path = "a", .windows = WindowRange{}}}, 1); }, {"scans"});
+  for (const std::uint64_t end : {std::uint64_t{10'000'001}, WindowRange::last}) {
+    expect_error(
+        [&] {
+          (void)scan_names({{.path = "a", .windows = WindowRange{0, end}}}, 1);
+        },
+        {"a: more than 10000000 scans"});
+  }
 }
 
 RC_GTEST_PROP(ScanList, ShardsAreAllScansOnceInTheirOrderAndOfEvenCost, ()) {

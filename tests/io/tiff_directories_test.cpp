@@ -96,6 +96,17 @@ TEST(TiffDirectories, MoreThanTheLimitAreRefusedByName) {
   EXPECT_EQ(read_levels(path.string() + "[1]")(0, 0), 1);
 }
 
+TEST(TiffDirectories, OfMoreTagsThanTheLimitAreRefused) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "tags.tif";
+  for (const std::size_t tags : {512, 513}) {
+    std::string file("II*\0\x08\0\0\0", 8);
+    append_low_bytes(file, tags, 2);
+    write_file(path, file + std::string(tags * 12 + 4, '\0'));
+    EXPECT_EQ(tiff_directories(path, InputFile(path))->fault.empty(), tags == 512);
+  }
+}
+
 TEST(TiffDirectories, ThatLeadBackAreRefused) {
   const TemporaryFolder folder;
   std::string file = stack_of(1);

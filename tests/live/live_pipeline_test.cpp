@@ -412,12 +412,15 @@ TEST(LivePipeline, EachCloudKnowsTheSequenceOfItsFrames) {
 
 TEST(LivePipeline, RefusesWhatDoesNotFitTheFrames) {
   const auto pictures = frames_of(four_steps);
-  const auto make = [&](const EngineSetup& scan) {
-    LivePipeline(std::make_unique<VirtualCamera>(pictures), scan);
+  const auto make = [&](const EngineSetup& scan, const LiveSettings& settings = {}) {
+    LivePipeline(std::make_unique<VirtualCamera>(pictures), scan, settings);
   };
   EXPECT_THROW(make(scan_of(four_steps, {32, 24})), Error);
   EXPECT_THROW(make(scan_of(PhaseMeasuring{.steps = 4, .frequency = 3})), Error);
   EXPECT_THROW(make(scan_of(PhaseMeasuring{.steps = 2, .frequency = 1})), Error);
+
+  // Frames of more than 16 GiB.
+  EXPECT_THROW(make(scan_of(four_steps), {.held_clouds = std::size_t{1} << 30}), Error);
 }
 
 TEST(LivePipeline, TellsWhatItsStagesDid) {

@@ -46,8 +46,18 @@ def test_it_goes_on_when_the_camera_goes_away(tmp_path):
             before = service.statistics()["clouds"]
             wait_for(lambda: service.statistics()["clouds"] > before + 5)
             assert rate_is_30(), "it is set so again"
+            assert "STATUS=camera" in service.ear.recv(1000).decode()
+
+            # After a reload the old settings wait for the camera.
+            served.kill()
+            served.wait()
+            wait_for(lambda: service.get("/health")[0] == 503)
+            service.hang_up()
+            wait_for(lambda: "trying again" in service.words.read_text())
+            served = camera()
+            service.wait_until_ready()
+            wait_for(lambda: service.get("/health") == (200, "ok\n"))
             service.process.send_signal(signal.SIGTERM)
             assert service.process.wait(PATIENCE) == 0
-            assert "STATUS=camera" in service.ear.recv(1000).decode()
     finally:
         served.kill()

@@ -217,11 +217,31 @@ TEST_F(TcpSink, EndsAConnectionWhoseLinesAreNoRequests) {
   EXPECT_EQ(Connection(port_).ask(R"({"do": "status"})")["ok"], true);
 }
 
-TEST_F(TcpSink, ServesANewControllerThoughManySilentOnesAreThere) {
-  std::vector<std::unique_ptr<Connection>> silent;
-  for (int i = 0; i < 20; ++i) silent.push_back(std::make_unique<Connection>(port_));
-  EXPECT_EQ(Connection(port_).ask(R"({"do": "status"})")["ok"], true);
-  EXPECT_TRUE(silent.front()->answer().is_discarded());
+TEST_F(TcpSink, TakesRequestsOfUpTo1024Bytes) {
+  const std::string request = R"({"do": "status"})";
+  for (const std::size_t bytes : {1024, 1025}) {  // with the line feed
+    const json answer =
+        Connection(port_).ask(request + std::string(bytes - 1 - request.size(), ' '));
+    EXPECT_EQ(!answer.is_discarded() && answer["ok"] == true, bytes == 1024) << answer;
+  }
+}
+
+TEST_F(TcpSink, ServesANewControllerInPlaceOfTheMostSilent) {
+  const std::string status = R"({"do": "status"})";
+  std::vector<std::unique_ptr<Connection>> all;
+  for (int i = 0; i < 8; ++i) {
+    all.push_back(std::make_unique<Connection>(port_));
+    EXPECT_EQ(all.back()->ask(status)["ok"], true);
+  }
+  EXPECT_EQ(all[0]->ask(status)["ok"], true);
+
+  EXPECT_EQ(Connection(port_).ask(status)["ok"], true);
+  EXPECT_TRUE(all[1]->answer().is_discarded());
+  EXPECT_EQ(all[0]->ask(status)["ok"], true);
+
+  // Many that never ask.
+  for (int i = 0; i < 20; ++i) all.push_back(std::make_unique<Connection>(port_));
+  EXPECT_EQ(Connection(port_).ask(status)["ok"], true);
 }
 
 TEST_F(TcpSink, RefusesAPlaceThatIsNone) {

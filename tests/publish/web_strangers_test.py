@@ -1,5 +1,6 @@
 """`slipstream live --publish web`: clients without a token, hostile ones, names that are not UTF-8."""
 
+import http.client
 import json
 import os
 import re
@@ -30,11 +31,45 @@ def test_others_need_the_token(tmp_path):
         assert " 101 " in answer
 
 
+def test_only_this_machine_reaches_the_ports_unless_told(tmp_path):
+    with Live(tmp_path, "--publish", "tcp:0", "--save-to", "saved", size="64x48") as live:
+        port = int(re.search(r"tcp://127.0.0.1:(\d+)", live.words.read_text())[1])
+        for loopback in (live.port, port):  # other addresses of this machine are not listened to
+            with pytest.raises(ConnectionRefusedError):
+                socket.create_connection(("127.0.0.2", loopback))
+
+        controller = socket.create_connection(("127.0.0.1", port), timeout=PATIENCE)
+        answers = controller.makefile("rb")
+
+        def ask(**request):
+            controller.sendall(json.dumps(request).encode() + b"\n")
+            return json.loads(answers.readline())
+
+        # What it may change, and where it writes.
+        for name, value in (("minimum-modulation", 128), ("save-to", str(tmp_path)), ("record", "x")):
+            assert not ask(do="set", name=name, value=value)["ok"]
+        assert ask(do="set", name="minimum-modulation", value=20)["ok"]
+        assert ask(do="set", name="record", value="on")["ok"]
+        assert ask(do="save")["folder"].startswith("saved/")
+        assert {path.name for path in tmp_path.iterdir()} == {"words", "saved"}
+        controller.close()
+
+
+def test_a_request_has_8_kb_and_ten_seconds(tmp_path):
+    with Live(tmp_path, size="64x48") as live:
+        slow, begin = connect(live, b"GET / HT"), time.monotonic()
+        assert live.get("/health", filler="x" * 7900)[0] == 200
+        with pytest.raises((ConnectionError, http.client.BadStatusLine)):
+            live.get("/health", filler="x" * 8200)
+        assert slow.recv(1) == b"" and time.monotonic() > begin + 9
+        slow.close()
+
+
 def test_hostile_clients_harm_nobody(tmp_path):
     with Live(tmp_path, size="640x480") as live:
         origin = f"http://127.0.0.1:{live.port}"
         memory, descriptors = live.memory(), live.descriptors()
-        kept = []
+        kept, begin = [], time.monotonic()
         for _ in range(8):  # stop reading with requests pending
             client, answer = ask_for_page(live.port, origin=origin)
             assert " 101 " in answer
@@ -72,6 +107,7 @@ def test_hostile_clients_harm_nobody(tmp_path):
         for client in many:
             client.close()
         wait_for(lambda: "disconnected" in live.words.read_text())
+        assert 29 < time.monotonic() - begin < 60
         assert live.get("/health") == (200, "ok\n")
         assert live.memory() < memory + 80  # MB
         wait_for(lambda: live.descriptors() < descriptors + 4)

@@ -217,7 +217,7 @@ bool reload_is_wanted_within(std::chrono::milliseconds time) {
   return false;
 }
 
-/// How a service goes on if its next run cannot begin.
+/// How a service goes on if the run of a reload cannot begin. Empty once it has.
 struct Fallback {
   std::optional<ServedRig> before{};  ///< settings that worked before
   bool returns = false;               ///< the run has them again
@@ -258,8 +258,8 @@ void serve(const LiveFlags& given, Output& output) {
       if (!next || stopped_by_signal()) return;
     } catch (const std::exception& error) {
       auto& [before, returns, waits] = fallback;
-      const bool has_begun = !before && !returns;
-      if (has_begun && (!next || stopped_by_signal())) throw;
+      const bool is_reload = before || returns;
+      if (!is_reload && (!next || stopped_by_signal())) throw;
       if (stopped_by_signal()) return;
 
       // The run ended for new settings, but could not complete its files.

@@ -224,8 +224,8 @@ class Service {
     last_frame_ = -1;
   }
 
-  /// An invalid file leaves the run alone. So does any other without the camera, but only once the
-  /// run has ended: the old settings then wait for the camera.
+  /// An invalid file leaves the run alone. A valid one ends it even without the camera, for which
+  /// the old settings then wait.
   void reload() {
     const std::size_t begun = starts(), refused = refusals();
     program_->send(SIGHUP);

@@ -278,7 +278,7 @@ TEST(StrategiesProgramTwoSpellings, OfOneSettingAreRefused) {
     EXPECT_EQ(in_file.exit_code, 2) << in_file.out;
     EXPECT_NE(in_file.err.find("rig.yaml: line "), std::string::npos) << in_file.err;
 
-    if (one[0] == "--low") continue;  // of two periods in pixels it replaces one
+    if (one[0] == "--low") continue;  // replaces only one of two periods: refused here too
     write_file(rig, line_of(other));
     const ProgramRun overridden = with({one[0], one[1], "--rig", rig});
     EXPECT_EQ(overridden.exit_code, 0) << overridden.err;

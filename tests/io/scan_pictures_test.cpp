@@ -127,6 +127,13 @@ TEST_F(ScanPictures, TooFewOrManyTellWhatTheStrategyHasAndWhatWouldFit) {
         Mistake{{.strategy = "gray", .axes = "both"},
                 "gray along both axes has 24 (each 10 bits + 2 references): likely 14 frames are "
                 "missing; or try `bits 3`"},
+        Mistake{
+            {.strategy = "gray", .stripe_pixels = 2, .axes = "both", .projector = Size{640, 480}},
+            "gray along both axes has 21: likely 11 frames are missing; or check `strategy`, "
+            "`bits`, `reference`"},
+        Mistake{{.strategy = "pmp", .motion = 2},
+                "pmp has 5 (3 steps + 2 for motion): 5 too many; leave them out with `order`, or "
+                "try `steps 8`"},
         Mistake{{.strategy = "gray-phase", .settings = {{"periods", "64"}}},
                 "gray-phase has 11 (4 steps + 7 bits): likely a frame is missing; or try `steps 3` "
                 "or `no_complementary`"},

@@ -300,7 +300,8 @@ TEST(Containers, JpegHasNoMoreScansThanTheLimit) {
   write_jpegs(folder.path(), frames_of_bits(8), 95);
   const fs::path jpeg = folder.path() / "0.jpg";
 
-  std::string bytes = read_text(jpeg);
+  const std::vector<std::uint8_t> whole = read_file(jpeg);
+  std::string bytes(whole.begin(), whole.end());
   for (int n = 0; n < 120; ++n) bytes += "\xff\xda";
   write_file(jpeg, bytes);
   expect_error([&] { (void)read_frames({jpeg}); }, {"0.jpg", "121 scans; limit 100"});

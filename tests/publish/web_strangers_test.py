@@ -107,7 +107,7 @@ def test_hostile_clients_harm_nobody(tmp_path):
         for client in many:
             client.close()
         wait_for(lambda: "disconnected" in live.words.read_text())
-        assert 29 < time.monotonic() - begin < 60
+        assert time.monotonic() > begin + 29, "they had 30 s to read"
         assert live.get("/health") == (200, "ok\n")
         assert live.memory() < memory + 80  # MB
         wait_for(lambda: live.descriptors() < descriptors + 4)

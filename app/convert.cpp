@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -33,10 +34,15 @@ struct ConvertFlags {
   std::string topic;
   ScanChanges changes;
   ScanJobSettings job;
+  FlagsOfScans of_scans;
 };
 
 bool is_mcap(const std::string& path) {
   return lower_case_extension(path) == ".mcap";
+}
+
+bool holds_clouds(const std::string& path) {
+  return is_mcap(path) || is_cloud_file(path);
 }
 
 void require_only(bool only, const std::string& path) {
@@ -323,8 +329,9 @@ void add_frames(const McapMessage& message, CameraFrames& frames) {
   }
 }
 
-void convert_mcap(const std::string& path, const std::string& topic, CloudFiles& files,
+void convert_mcap(const std::string& path, const ConvertFlags& flags, CloudFiles& files,
                   Output& output) {
+  const std::string& topic = flags.topic;
   std::uint64_t count = 0;
   std::set<std::string> topics;
   CameraFrames frames;
@@ -339,6 +346,7 @@ void convert_mcap(const std::string& path, const std::string& topic, CloudFiles&
     StoredCloud stored = read_point_cloud(message.content);
     const auto known = frames.find(frame_name(stored.cloud));
     if (known != frames.end()) stored.cloud.frame = known->second;
+    keep_box(stored.cloud, flags.job.reconstruct.clean);
     files.add(stored, {path, count++}, message.time);
   });
 
@@ -401,6 +409,9 @@ void convert(const ConvertFlags& flags, Output& output) {
     return convert_to_recording(flags.paths, flags.output, flags.changes, output);
   if (ending.empty()) return convert_to_folders(flags.paths, flags.output, flags.changes, output);
 
+  if (std::ranges::all_of(flags.paths, holds_clouds)) {
+    flags.of_scans.refuse_for_cloud(flags.paths.front());
+  }
   CloudFiles files(flags.output, wanted_frame(flags.job.reconstruct), output);
   const bool one_file = !is_mcap(flags.output) && flags.output.find('{') == std::string::npos;
   require_only(!one_file || flags.paths.size() == 1, flags.output);
@@ -408,9 +419,11 @@ void convert(const ConvertFlags& flags, Output& output) {
   for (const std::string& path : flags.paths) {
     output.tell_wait(path + ": converting");
     if (is_mcap(path)) {
-      convert_mcap(path, flags.topic, files, output);
+      convert_mcap(path, flags, files, output);
     } else if (is_cloud_file(path)) {
-      files.add(loaded_cloud(path, output), {path}, std::nullopt);
+      StoredCloud stored = loaded_cloud(path, output);
+      keep_box(stored.cloud, flags.job.reconstruct.clean);
+      files.add(stored, {path}, std::nullopt);
     } else if (is_recording(path)) {
       convert_recording(path, flags, files, output);
     } else {
@@ -442,7 +455,9 @@ void add_convert(const Commands& program) {
       "for ROS"));
 
   command.add("--topic", flags.topic, "MCAP input: convert only this topic's clouds, e.g. /points");
+  const std::size_t before = command.app.get_options().size();
   add_cloud_flags(command.app, flags.changes, flags.job);
+  flags.of_scans = flags_of_scans(command.app, before, {"--anyway", "--box", "--to-frame"});
 
   command.common(
       {"--output", "--topic", "--scanner", "--minimum-modulation", "--largest-sigma", "--raw"});

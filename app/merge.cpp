@@ -36,6 +36,7 @@ struct MergeFlags {
   std::optional<double> turn_step;  ///< degrees
   ScanChanges changes;
   ScanJobSettings job;
+  FlagsOfScans of_scans;
 };
 
 /// Millimetres of a unit of length.
@@ -56,11 +57,6 @@ void scale(StoredCloud& stored, double unit) {
        {&stored.uncertainty->x, &stored.uncertainty->y, &stored.uncertainty->z}) {
     for (float& value : *image) value *= factor;
   }
-}
-
-/// The colours of a cloud; null if it has none.
-const Image<Colour>* colours_of(const Cloud& cloud) {
-  return cloud.colour.empty() ? nullptr : &cloud.colour;
 }
 
 /// Diagonal of the box around a view, mm.
@@ -102,11 +98,14 @@ std::vector<View> read_views(const MergeFlags& flags, Output& output) {
       stored = loaded_cloud(path, output, unit);
       move_to_camera(stored.cloud, stored.uncertainty ? &*stored.uncertainty : nullptr);
       scale(stored, unit);
+      keep_box(stored.cloud, flags.job.reconstruct.clean);
     } else {
       stored = organised_cloud(path, flags.changes, flags.job, output);
     }
     views.push_back(naming(path, [&] {
-      return view_of(stored.cloud, uncertainty_of(stored), path, colours_of(stored.cloud));
+      const Image<Colour>& colours = stored.cloud.colour;
+      return view_of(stored.cloud, uncertainty_of(stored), path,
+                     colours.empty() ? nullptr : &colours);
     }));
     progress.advance();
   }
@@ -230,6 +229,20 @@ void tell_joint(const MergeFlags& flags, const JointAlignment& joint, Output& ou
   output.add("loop_error_mm", joint.loop_error, "loop_error_deg", joint.loop_turn);
 }
 
+/// How to cut off a background that may keep views from joining; empty if none may.
+std::string advice_on_background(const JointAlignment& joint) {
+  bool slides = false;
+  for (const ViewLink& link : joint.refused) {
+    if (joint.poses[link.first] && joint.poses[link.second]) continue;
+    const PairAlignment& pair = link.alignment;
+    if (pair.refusal == Refusal::sees_through && pair.moved_in_part) {
+      return "; --box keeps the object alone";
+    }
+    slides |= pair.refusal == Refusal::slides;
+  }
+  return slides ? "; if that is a background, --box cuts it off" : "";
+}
+
 /// Refuses views that do not fit, or with --anyway warns of them.
 void refuse_left_out(const MergeFlags& flags, const JointAlignment& joint, Output& output) {
   std::string text;
@@ -239,6 +252,8 @@ void refuse_left_out(const MergeFlags& flags, const JointAlignment& joint, Outpu
     text += fmt::format("{} does not join the others: {}", flags.inputs[i], joint.reasons[i]);
   }
   if (text.empty()) return;
+
+  text += advice_on_background(joint);
 
   const bool enough = joint.joined() >= 2;
   throw_if(!enough, "{}", text);
@@ -350,6 +365,9 @@ void merge(const MergeFlags& flags, Output& output) {
            flags.inputs.size());
   if (!flags.output.empty()) require_model_ending(flags.output);
   if (!flags.mesh.empty()) require_mesh_ending(flags.mesh);
+  if (std::ranges::all_of(flags.inputs, is_cloud_file)) {
+    flags.of_scans.refuse_for_cloud(flags.inputs.front());
+  }
   const auto frame = frame_of_model(flags);
   Stopwatch watch;
 
@@ -439,7 +457,9 @@ void add_merge(const Commands& program) {
       .add("--turn-step", flags.turn_step, "with --turntable: degrees from view to view, if known")
       ->needs("--turntable");
 
+  const std::size_t before = command.app.get_options().size();
   add_cloud_flags(command.app, flags.changes, flags.job);
+  flags.of_scans = flags_of_scans(command.app, before, {"--anyway", "--box", "--to-frame"});
   command.app.get_option("--anyway")
       ->description(
           "merge the other views if some do not join, and continue with scans that the "
@@ -447,7 +467,7 @@ void add_merge(const Commands& program) {
   command.app.get_option("--to-frame")
       ->description(
           "pose file of the first view's camera: the model is in its frame, and so is --box of "
-          "each scan");
+          "each view");
   command.common({"--output", "--mesh", "--poses", "--report", "--start", "--unit"});
   command.examples(
       {"merge view1.ply view2.ply view3.ply -o model.ply --report merge.html",

@@ -1,8 +1,10 @@
 #include "app/scan_flags.h"
 
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -13,6 +15,7 @@
 #include "slipstream/recording.h"
 #include "slipstream/scan_files.h"
 #include "slipstream/strategy.h"
+#include "slipstream/unwrapping.h"
 
 namespace slipstream::app {
 namespace {
@@ -232,6 +235,24 @@ void add_cloud_flags(CLI::App& subcommand, ScanChanges& changes, ScanJobSettings
   add_scan_input_flags(subcommand, changes, job);
 }
 
+void FlagsOfScans::refuse_for_cloud(const std::string& path) const {
+  const CLI::Option* const rig = command->get_option_no_throw("--rig");
+  if (rig != nullptr && rig->count() > 0) return;
+  for (const CLI::Option* option : options) {
+    throw_if(option->count() > 0, "{}: {} applies to scans only", path, option->get_name());
+  }
+}
+
+FlagsOfScans flags_of_scans(const CLI::App& command, std::size_t before,
+                            const std::set<std::string>& of_clouds) {
+  FlagsOfScans flags{.command = &command};
+  const std::vector<const CLI::Option*> all = command.get_options();
+  std::copy_if(all.begin() + static_cast<std::ptrdiff_t>(before), all.end(),
+               std::back_inserter(flags.options),
+               [&](const CLI::Option* option) { return !of_clouds.contains(option->get_name()); });
+  return flags;
+}
+
 std::shared_ptr<const RecordingReader> OpenedRecording::at(const std::string& path) {
   const std::lock_guard lock(mutex_);
   if (reader_ != nullptr && path == path_) return reader_;
@@ -297,6 +318,23 @@ StoredCloud loaded_cloud(const std::string& path, Output& output, double unit) {
   return stored;
 }
 
+void keep_box(Cloud& cloud, const CleanSettings& clean) {
+  if (!clean.box) return;
+  require_valid(clean);
+
+  Eigen::Isometry3d to_box = Eigen::Isometry3d::Identity();
+  if (clean.box_frame) to_box = pose_from_frame(*clean.box_frame, camera_frame).transform;
+  if (cloud.frame) to_box = to_box * cloud.frame->transform.inverse();
+
+  const Eigen::AlignedBox3d box(Eigen::Vector3d(clean.box->least.data()),
+                                Eigen::Vector3d(clean.box->largest.data()));
+  for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
+    if (cloud.validity(column, row) != Validity::valid) return;
+    if (box.contains(to_box * position_at(cloud, column, row))) return;
+    cloud.reject(column, row, Validity::outside_region);
+  });
+}
+
 StoredCloud organised_cloud(const std::string& path, const ScanChanges& changes,
                             ScanJobSettings job, Output& output) {
   StoredCloud result;
@@ -311,11 +349,13 @@ StoredCloud organised_cloud(const std::string& path, const ScanChanges& changes,
     return result;
   }
 
-  // A scan is reconstructed from its first camera, with uncertainty if the noise is known.
+  // A scan is reconstructed from its first camera, with uncertainty if the noise is known; a code
+  // has the width of its stripes instead.
   require_valid(job.reconstruct.clean);
   Scan scan = load_checkable(path, changes, false, output);
-  job.uncertainty =
-      job.photometry.noise_variance || (scan.scanner && scan.scanner->photometry.noise_variance);
+  job.uncertainty = job.photometry.noise_variance ||
+                    (scan.scanner && scan.scanner->photometry.noise_variance) ||
+                    scan.sequence.strategy.layout().unwrapping->whole_stripes;
   ScanResult made = result_of(std::move(scan), path, job, output);
 
   result.organised = true;

@@ -2,7 +2,9 @@
 
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "app/commands.h"
 #include "slipstream/cloud_file.h"
@@ -53,6 +55,19 @@ inline const std::shared_ptr<const FramePose>& wanted_frame(const ReconstructSet
 /// Adds --anyway and the flags of points, cleaning and scans.
 void add_cloud_flags(CLI::App& subcommand, ScanChanges& changes, ScanJobSettings& job);
 
+/// Options of a command that apply to scans, and would be ignored for clouds.
+struct FlagsOfScans {
+  const CLI::App* command = nullptr;
+  std::vector<const CLI::Option*> options{};
+
+  /// Throws Error if one of them is given. Not with --rig, whose settings are for all commands.
+  void refuse_for_cloud(const std::string& path) const;
+};
+
+/// The options added since `command` had `before` of them, without those that clouds have, too.
+FlagsOfScans flags_of_scans(const CLI::App& command, std::size_t before,
+                            const std::set<std::string>& of_clouds = {});
+
 /// Recordings opened once for all their windows. Thread-safe.
 class OpenedRecording {
  public:
@@ -92,13 +107,16 @@ void tell_guard(const EpipolarCheck& guard, const std::string& prefix, Output& o
 /// the file's unit of length.
 StoredCloud loaded_cloud(const std::string& path, Output& output, double unit = 1);
 
+/// Rejects the cloud's points outside --box.
+void keep_box(Cloud& cloud, const CleanSettings& clean);
+
 inline const Uncertainty* uncertainty_of(const StoredCloud& stored) {
   return stored.uncertainty ? &*stored.uncertainty : nullptr;
 }
 
 /// An organised cloud in the camera's frame, from a .pcd file, or from a scan as reconstruct makes
-/// it, with uncertainty if the noise is known. Throws Error if the cloud is not organised or the
-/// scan is refused.
+/// it, with uncertainty if the noise is known, or is not needed as with a code's stripes. Throws
+/// Error if the cloud is not organised or the scan is refused.
 StoredCloud organised_cloud(const std::string& path, const ScanChanges& changes,
                             ScanJobSettings job, Output& output);
 

@@ -70,8 +70,7 @@ struct ViewPathFlags {
   std::string path;
   ScanChanges changes;
   ScanJobSettings job;
-  std::vector<const CLI::Option*> of_scans;  ///< flags for scans only
-  const CLI::App* command = nullptr;
+  FlagsOfScans of_scans;
   ViewFlags view;
   std::string web;  ///< [ADDRESS:]PORT; empty: in a window
 };
@@ -182,11 +181,7 @@ void view_path(const ViewPathFlags& flags, Output& output) {
 
   // Flags of scans would be ignored for a cloud.
   const bool scan = is_scan(flags.path);
-  const bool of_rig = flags.command->count("--rig") > 0;  // errors here would not concern a cloud
-  for (const CLI::Option* option : flags.of_scans) {
-    throw_if(option->count() > 0 && !scan && !of_rig && fs::exists(flags.path),
-             "{}: {} applies to scans only", flags.path, option->get_name());
-  }
+  if (!scan && fs::exists(flags.path)) flags.of_scans.refuse_for_cloud(flags.path);
 
   // 1. Without a path: choose in the window.
   if (flags.path.empty()) {
@@ -267,10 +262,7 @@ void add_view(const Commands& program) {
   add_scan_input_flags(command.app, flags.changes, flags.job);
   add_clean_flags(command.app, flags.job.reconstruct);
   add_anyway_flag(command.app, flags.job.keep_refused);
-  const std::vector<CLI::Option*> options = command.app.get_options();
-
-  flags.command = &command.app;
-  flags.of_scans.assign(options.begin() + static_cast<std::ptrdiff_t>(before), options.end());
+  flags.of_scans = flags_of_scans(command.app, before);
   add_frame_flag(command.app, flags.job.reconstruct);
 
   command.common(

@@ -28,6 +28,7 @@ struct Comparison {
   std::size_t samples = 0;
   std::size_t beside = 0;        ///< with the other's surface beside them
   std::size_t seen_through = 0;  ///< the other camera would have seen them and saw farther
+  std::size_t still = 0;  ///< of these, with the other's surface beside them before any motion
 };
 
 /// `pose`: of `from` in the frame of `to`.
@@ -39,7 +40,7 @@ Comparison compare(const PreparedView& from, const PreparedView& to, const Eigen
 
   // Sights are compared at a distance that neither noise nor a slanted surface reaches.
   const std::size_t samples = (source.sample.size() + step - 1) / step;
-  enum class Fate : std::uint8_t { other, beside, seen_through };
+  enum class Fate : std::uint8_t { other, beside, seen_through, still };
   std::vector<Fate> fates(samples, Fate::other);
   for_each_row(static_cast<int>(samples), [&](int sample) {
     Fate& fate = fates[static_cast<std::size_t>(sample)];
@@ -49,15 +50,19 @@ Comparison compare(const PreparedView& from, const PreparedView& to, const Eigen
       fate = Fate::beside;
     } else if (!target.grid->nearest(place, 2 * farthest) &&
                to.seen().at(place, 2 * farthest) == Sight::clear) {
-      fate = Fate::seen_through;
+      const bool still =
+          partner_of(source.points[i], source.normals[i], target, farthest).has_value();
+      fate = still ? Fate::still : Fate::seen_through;
     }
   });
 
   const auto count = [&](Fate fate) {
     return static_cast<std::size_t>(std::ranges::count(fates, fate));
   };
-  return {
-      .samples = samples, .beside = count(Fate::beside), .seen_through = count(Fate::seen_through)};
+  return {.samples = samples,
+          .beside = count(Fate::beside),
+          .seen_through = count(Fate::seen_through) + count(Fate::still),
+          .still = count(Fate::still)};
 }
 
 double share_of(std::size_t part, std::size_t whole) {
@@ -79,6 +84,13 @@ void describe_fit(const PreparedView& first, const PreparedView& second, std::si
   const std::size_t through = of_second.seen_through + of_first.seen_through;
   const std::size_t beside = of_second.beside + of_first.beside;
   alignment.contradictions = share_of(through, through + beside);
+
+  // The pose fits the part that moved, or, if it is no motion at all, the rest.
+  constexpr double most = 0.5;
+  const double moved = largest_displacement(alignment.pose, Eigen::Isometry3d::Identity(),
+                                            second.middle(), second.reach());
+  alignment.moved_in_part = share_of(of_second.still + of_first.still, through) > most ||
+                            (through > 0 && moved < first.keypoints().cell);
 
   // 2. The distances.
   const auto matches = match_surfaces(fine_surface(first), fine_surface(second), alignment.pose,
@@ -142,8 +154,11 @@ void judge(const AlignmentSettings& settings, double reach, PairAlignment& align
                                             alignment.matches, fewest_matches));
   } else if (alignment.contradictions > settings.most_contradictions) {
     refuse(Refusal::sees_through,
-           fmt::format("one camera sees through {:.1f} % of the other's surface",
-                       100 * alignment.contradictions));
+           fmt::format("one camera sees through {:.1f} % of the other's surface{}",
+                       100 * alignment.contradictions,
+                       alignment.moved_in_part
+                           ? ": a part of the scene moved between the views, and the rest did not"
+                           : ""));
   } else if (alignment.misfits > settings.most_misfits) {
     refuse(Refusal::misfit,
            fmt::format("{:.0f} % of the common surface differ by more than the noise, in the "

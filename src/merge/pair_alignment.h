@@ -34,6 +34,9 @@ struct PairAlignment {
   double overlap = 0;         ///< share of the points of the view with more overlap
   double contradictions = 0;  ///< share of the compared points through which the other camera saw
   double misfits = 0;         ///< share of the compared points off the other's surface
+  /// Whether the contradictions come from a part of the scene that moved between the views while
+  /// the rest did not, as an object on a turntable does before a wall.
+  bool moved_in_part = false;
 
   // Distances along the normal, mm.
   double median = 0, percentile_95 = 0, rms = 0;

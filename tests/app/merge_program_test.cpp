@@ -1,6 +1,8 @@
 // Runs `slipstream merge` on clouds of a virtual object.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -15,6 +17,7 @@
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/merge/virtual_shots.h"
+#include "tests/shared_data.h"
 
 namespace slipstream::merge_program_test {
 
@@ -118,7 +121,83 @@ TEST_F(MergeProgram, RefusesPlanesAndWritesNothing) {
                                       shot("bb.ply", plane, second_pose), "-o", path("model.ply")});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find("slides"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("if that is a background, --box"), std::string::npos) << run.err;
   EXPECT_FALSE(std::filesystem::exists(path("model.ply")));
+}
+
+/// A relief before a wall that does not turn with it, in the camera's frame.
+Mesh relief_before_wall(const Eigen::Isometry3d& pose) {
+  Mesh scene = relief();
+  for (Eigen::Vector3d& vertex : scene.vertices) vertex = pose * vertex;
+
+  append_surface(scene, 1, 1, [](double u, double v) {
+    return Eigen::Vector3d(270 * (u - 0.5), 270 * (v - 0.5), 690);
+  });
+  return scene;
+}
+
+TEST_F(MergeProgram, CutsOffTheWallBehindAnObjectThatTurns) {
+  const Eigen::Isometry3d still = Eigen::Isometry3d::Identity();
+  const std::vector<std::string> views{
+      "merge", shot("a.ply", relief_before_wall(first_pose), still),
+      shot("bb.ply", relief_before_wall(second_pose), still), "--json"};
+
+  const ProgramRun whole = run_program(views);
+  EXPECT_EQ(whole.exit_code, 2) << whole.out;
+  for (const std::string words :
+       {"a part of the scene moved between the views", "--box keeps the object alone"}) {
+    EXPECT_NE(whole.err.find(words), std::string::npos) << whole.err;
+  }
+
+  std::vector<std::string> cut = views;
+  cut.insert(cut.end(), {"--box", "-200,-200,500,200,200,670"});
+  const ProgramRun run = run_program(cut);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto document = nlohmann::json::parse(run.out);
+  const Eigen::Isometry3d truth = first_pose * second_pose.inverse();
+  EXPECT_NEAR(document["views"][1]["pose"][0][0].get<double>(), truth(0, 0), 1e-3);
+  EXPECT_NEAR(document["views"][1]["pose"][0][3].get<double>(), truth(0, 3), 0.5);
+}
+
+TEST_F(MergeProgram, RefusesFlagsOfScansForClouds) {
+  const ProgramRun run = run_program({"merge", shot("a.ply", relief(), first_pose),
+                                      shot("bb.ply", relief(), second_pose), "--farthest", "600"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("a.ply: --farthest applies to scans only"), std::string::npos) << run.err;
+}
+
+TEST_F(MergeProgram, JoinsTheScansAndCloudsOfARealTurntable) {
+  const std::filesystem::path set = shared_data() / "sltk";
+  if (!exists(set)) GTEST_SKIP() << set << " is missing";
+
+  // The clouds' author has y and z point the other way.
+  const std::vector<std::vector<std::string>> inputs{
+      {set / "scan_0020", set / "scan_0021", "--order", "0-21", "--strategy", "gray", "--stripe",
+       "1", "--reference", "inverse", "--projector", "1280x800", "--scanner",
+       set / "procam_2016_12_09.yaml", "--box", "-290,-40,0,-60,400,730"},
+      {set / "scan_0020_cloud.ply", set / "scan_0021_cloud.ply", "--box",
+       "-290,-400,-730,-60,40,0"}};
+
+  for (const std::vector<std::string>& input : inputs) {
+    SCOPED_TRACE(input.front());
+    std::vector<std::string> arguments{"merge", "-o", path("model.ply"), "--json"};
+    arguments.insert(arguments.end(), input.begin(), input.end());
+    const ProgramRun run = run_program(arguments);
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+
+    // The turn, by the trace of its matrix.
+    const auto document = nlohmann::json::parse(run.out);
+    const auto& pose = document["views"][1]["pose"];
+    double trace = 0;
+    for (int i = 0; i < 3; ++i) trace += pose[i][i].get<double>();
+    EXPECT_NEAR(std::acos((trace - 1) / 2) * 180 / std::numbers::pi, 1.381, 0.02);
+    EXPECT_LT(document["pairs"][0]["rms_mm"].get<double>(), 0.22);
+  }
+
+  // The last of them, the clouds, have colours.
+  const Cloud model = read_cloud(path("model.ply")).cloud;
+  EXPECT_TRUE(std::ranges::any_of(
+      model.colour, [](const Colour& colour) { return colour.red > colour.blue + 40; }));
 }
 
 TEST_F(MergeProgram, ReadsMetresAndNamesMixedUnits) {

@@ -202,6 +202,29 @@ TEST(PairAlignmentAlignViews, FindsTheTurnOfARealTurntable) {
 
   // Both clouds have a noise of 0.15 mm.
   EXPECT_LT(found.rms, 0.22);
+
+  // Other programs count points within 0.5 mm of the nearest one, along its normal.
+  Squares near;
+  for (const Eigen::Vector3f& point : second.view().points) {
+    const Eigen::Vector3f place = found.pose.cast<float>() * point;
+    const auto nearest = first.grid().nearest(place, 0.5F);
+    if (!nearest) continue;
+    const Eigen::Vector3f apart = first.view().points[*nearest] - place;
+    near.add(std::pow(first.view().normals[*nearest].dot(apart), 2));
+  }
+  EXPECT_LT(near.rms(), 0.18);
+
+  // The same from starts about the axis, which is about upright through the middle.
+  for (const double off : {-15, 15}) {
+    SCOPED_TRACE(off);
+    const Eigen::AngleAxisd axis(found.pose.linear());
+    const Eigen::Isometry3d start = found.pose * Eigen::Translation3d(second.middle()) *
+                                    turned(axis.axis(), off) *
+                                    Eigen::Translation3d(-second.middle());
+    const PairAlignment again = refine_alignment(first, second, start);
+    EXPECT_TRUE(again.joined()) << again.reason;
+    EXPECT_LT(degrees_off(again.pose, found.pose), 0.005);
+  }
 }
 
 }  // namespace slipstream::pair_alignment_test

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <complex>
+#include <numeric>
 #include <optional>
 #include <ranges>
 #include <span>
@@ -85,9 +86,8 @@ struct Steps {
     return count;
   }
 
-  /// Counts steps, by the coarsest bit that changes, and those to stripes that are not next to
-  /// each other.
-  void count(bool gray, Counts& all, Counts& wrong) const {
+  /// Counts steps, by the coarsest bit that changes, and those by more than `most` stripes.
+  void count(bool gray, unsigned most, Counts& all, Counts& wrong) const {
     // Leave out the bits that are too fine to tell stripes apart here.
     const int finer = too_fine(gray);
     for (const auto& [a, b] : pairs) {
@@ -102,20 +102,15 @@ struct Steps {
 
       const auto coarsest = std::bit_width(changed) - 1 + finer;
       ++all[coarsest];
-      // In a plain code a wrong finest bit moves a step by one more stripe.
-      if (std::max(from, to) - std::min(from, to) > (gray ? 1U : 2U)) ++wrong[coarsest];
+      if (std::max(from, to) - std::min(from, to) > most) ++wrong[coarsest];
     }
   }
 };
 
 /// The largest share of wrong steps that exceeds the share at depth edges by 5 standard deviations:
 /// a few edges of a coarse bit may all lie there.
-double torn(std::span<const Steps> distances, bool gray) {
+double excess_share(const Steps::Counts& all, const Steps::Counts& wrong) {
   constexpr double usual = 0.3, deviations = 5;
-
-  // All steps, by the coarsest bit that changes.
-  Steps::Counts all{}, wrong{};
-  for (const Steps& steps : distances) steps.count(gray, all, wrong);
 
   double most = 0;
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -127,6 +122,47 @@ double torn(std::span<const Steps> distances, bool gray) {
   }
 
   return most;
+}
+
+/// Wrong steps of a plain code between pixels next to each other, which see finer bits than far
+/// ones: as excess_share().
+double torn_plain(const Steps& next) {
+  constexpr double usual = 0.3;
+
+  Steps::Counts all{}, wrong{}, again{}, not_next{};
+  next.count(false, 2, all, wrong);
+  next.count(false, 1, again, not_next);
+
+  const auto finest = static_cast<std::size_t>(
+      std::ranges::find_if(all, [](int count) { return count > 0; }) - all.begin());
+  int coarser = 0, moved = 0;
+  for (std::size_t bit = finest + 1; bit < all.size(); ++bit) {
+    coarser += all[bit];
+    moved += not_next[bit];
+  }
+
+  // A finest bit in another place moves all steps by one more stripe, two finest bits that are
+  // exchanged only those within both.
+  if (finest < all.size() && moved <= usual * coarser) wrong[finest] = not_next[finest];
+
+  return excess_share(all, wrong);
+}
+
+double torn(const std::array<Steps, ScanSamples::places>& distances, bool gray) {
+  // In a plain code a wrong finest bit moves a step by one more stripe.
+  Steps::Counts all{}, wrong{};
+  for (const Steps& steps : distances) steps.count(gray, gray ? 1 : 2, all, wrong);
+  const double of_all = excess_share(all, wrong);
+  if (gray) return of_all;
+
+  // Along the axis, where stripes part most of them.
+  const auto parted = [&](Place place) {
+    return std::ranges::count_if(distances[place].pairs, [](const auto& pair) {
+      return pair.first.stripe != pair.second.stripe;
+    });
+  };
+  const bool is_along_y = parted(Place::below) > parted(Place::right);
+  return std::max(of_all, torn_plain(distances[is_along_y ? Place::below : Place::right]));
 }
 
 /// Phases half way between neighbours in stripes next to each other.
@@ -184,11 +220,15 @@ struct Edges {
   }
 };
 
+constexpr std::array<SymptomCause, 2> of_bits{
+    {{CauseKind::frame_order, "code frames in another order"},
+     {CauseKind::pattern_settings, "another code than configured"}}};
+
 }  // namespace
 
 // Limits: right scans, real ones among them, reach 0.17 of doubt and stay below half of the others;
 // wrong orders and periods give 0.35 to 0.5 of doubt.
-const std::array<CodeSymptom, 7> code_symptoms{{
+const std::array<CodeSymptom, 9> code_symptoms{{
     {FindingKind::beyond_black_or_white,
      "white and black do not part the code's dark bits from its bright ones in over {:g} % of the "
      "lit pixels",
@@ -207,13 +247,15 @@ const std::array<CodeSymptom, 7> code_symptoms{{
         "another code or another number of periods or stripes than configured"}}},
      "compare the settings with"},
     {FindingKind::contradicting_bits,
-     "the code's bits contradict each other at over {:g} % of a bit's edges",
-     "share of the edges",
-     &CodeEvidence::torn,
-     0.3,
-     {{{CauseKind::frame_order, "code frames in another order"},
-       {CauseKind::pattern_settings, "another code than configured"}}},
-     "compare the frames with"},
+     "a bit of the code and its inverse together are too bright, and elsewhere too dark, each in "
+     "over {:g} % of the lit pixels",
+     "share of the lit pixels", &CodeEvidence::unpaired, 0.05, of_bits, "compare the frames with"},
+    {FindingKind::contradicting_bits,
+     "a bit of the code is blurred in over {:g} % more of the lit pixels than a finer bit",
+     "share of the lit pixels", &CodeEvidence::blurred, 0.5, of_bits, "compare the frames with"},
+    {FindingKind::contradicting_bits,
+     "the code's bits contradict each other at over {:g} % of a bit's edges", "share of the edges",
+     &CodeEvidence::torn, 0.3, of_bits, "compare the frames with"},
     {FindingKind::code_against_phase,
      "phase and code contradict each other: incoherence at the code's edges above {:g} %",
      "incoherence",
@@ -275,8 +317,12 @@ class CodeJudge {
       const Word here = read(samples_.levels(g, Place::middle));
       if (here.stripe >= std::ceil(code_.stripes) && here.doubtful == 0) ++unlisted_;
       if (is_disordered()) ++disordered_;
-      for (std::size_t bit = 0; bit < unsure_.size(); ++bit)
+      count_unpaired();
+      for (std::size_t bit = 0; bit < unsure_.size(); ++bit) {
         unsure_[bit] += here.doubtful >> bit & 1U;
+        halfway_[bit] += here.halfway >> bit & 1U;
+        ones_[bit] += here.bits >> bit & 1U;
+      }
 
       // 2. Against its neighbours.
       for (const Place place : {Place::right, Place::below, Place::far_right, Place::far_below}) {
@@ -318,6 +364,27 @@ class CodeJudge {
     return place < least_share || place > 1 - least_share;
   }
 
+  /// Counts the bits of the pixel read last that, with their inverses, are brighter or darker than
+  /// a dark and a bright frame.
+  void count_unpaired() {
+    if (code_.inverses.empty()) return;
+    const auto range_of = [&](const std::vector<int>& frames) {
+      return std::ranges::minmax(frames | std::views::transform([&](int n) { return levels_[n]; }));
+    };
+    const auto bits = range_of(code_.frames), inverses = range_of(code_.inverses);
+    const double dark = std::min(bits.min, inverses.min), bright = std::max(bits.max, inverses.max);
+
+    // Frames of different bits are both bright in some pixels and both dark in others; if one of
+    // them is blurred away, their sum is still off by half of the range.
+    constexpr double least_share = 0.4;
+    for (std::size_t bit = 0; bit < code_.frames.size(); ++bit) {
+      const double sum = levels_[code_.frames[bit]] + levels_[code_.inverses[bit]];
+      const double excess = sum - dark - bright, least = least_share * (bright - dark);
+      if (excess > least) ++too_bright_[bit];
+      if (-excess > least) ++too_dark_[bit];
+    }
+  }
+
   /// Adds the step from stripe to stripe, and the phase where they are next to each other.
   void compare(std::size_t g, const Word& here, Place place) {
     const float* const there = samples_.levels(g, place);
@@ -338,12 +405,30 @@ class CodeJudge {
                rising, 2 * edge > code_.stripes);
   }
 
+  /// See CodeEvidence.
+  [[nodiscard]] double blurred(double pixels) const {
+    // A tone curve may move stripes that are all blurred to one side of the threshold.
+    constexpr double least_share = 0.25;
+
+    double most = 0, least_halfway = 1;
+    for (std::size_t bit = 0; bit < code_.frames.size(); ++bit) {
+      const double ones = ones_[bit] / pixels, halfway = halfway_[bit] / pixels;
+      most = std::max(most, halfway - least_halfway);
+      if (std::min(ones, 1 - ones) > least_share) least_halfway = std::min(least_halfway, halfway);
+    }
+    return most;
+  }
+
   [[nodiscard]] CodeEvidence summed_up() const {
     const auto n = static_cast<double>(samples_.groups());
     CodeEvidence evidence;
     evidence.disordered = disordered_ / n;
     evidence.unlisted = unlisted_ / n;
+    for (std::size_t bit = 0; bit < too_dark_.size(); ++bit)
+      evidence.unpaired =
+          std::max(evidence.unpaired, std::min(too_bright_[bit], too_dark_[bit]) / n);
     evidence.torn = torn(steps_, code_.gray);
+    evidence.blurred = blurred(n);
 
     // Stripes narrower than the distance to the next pixel leave no edge to compare with.
     const bool fine = steps_[Place::right].too_fine(code_.gray) > 0 ||
@@ -376,7 +461,9 @@ class CodeJudge {
   std::array<Steps, ScanSamples::places> steps_;
   Edges edges_;
   int disordered_ = 0, unlisted_ = 0;
-  std::array<unsigned, most_code_bits> unsure_{};  ///< pixels, of each bit, the finest first
+  std::array<int, most_code_bits> too_bright_{}, too_dark_{};  ///< pixels: a bit and its inverse
+  /// Pixels, of each bit, the finest first.
+  std::array<unsigned, most_code_bits> unsure_{}, halfway_{}, ones_{};
 };
 
 }  // namespace

@@ -16,10 +16,16 @@ struct CodeEvidence {
   /// ones.
   double disordered = 0;
   double unlisted = 0;  ///< share of the pixels whose code word numbers no stripe
+  /// Share of the pixels in which a bit and its inverse together are too bright, or too dark,
+  /// whichever is smaller: of the worst bit. Blur through a tone curve does only one of both.
+  double unpaired = 0;
   /// Between neighbours that differ in one bit of a Gray code, the finer bits are 1, 0, 0, ... if
   /// the stripes are next to each other: the share that contradicts, of the worst bit. Ignores as
   /// many of the finest bits as have stripes narrower than two pixels, or blurred ones.
   double torn = 0;
+  /// Share of the pixels in which a bit is half way between dark and bright, less the share of a
+  /// finer bit, at most: blur spoils finer stripes first. 0 with a base.
+  double blurred = 0;
   double incoherence = 0;  ///< of the phase at the code's edges: 1 - |mean exp(i phi)|
   /// Mean phase at the code's edges, or error of the origin by single frames, periods, -0.5 to 0.5;
   /// within the limit if blur, a tenth of a pixel, may be the cause.
@@ -65,6 +71,6 @@ struct CodeSymptom {
   std::string_view compare;            ///< "SOMETHING with": the patterns follow
 };
 
-extern const std::array<CodeSymptom, 7> code_symptoms;
+extern const std::array<CodeSymptom, 9> code_symptoms;
 
 }  // namespace slipstream

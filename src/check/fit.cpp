@@ -43,7 +43,7 @@ FrameJudge::FrameJudge(const FrameModel& model) : model_(model) {
 
 void FrameJudge::clear() {
   std::ranges::fill(mean_, Complex{});
-  std::ranges::fill(between_, Complex{});
+  std::ranges::fill(between_, std::array<Complex, 2>{});
   std::ranges::fill(damped_, Complex{});
   std::ranges::fill(ratios_, SharedSpread{});
 
@@ -72,7 +72,7 @@ void FrameJudge::add_neighbour(const ScanSamples& samples, const FrameOrder& ord
 
   // Adjacent pixels separate signal from noise.
   model_.read(samples.levels(group, place), order, next_);
-  add_pair(samples.variation(samples.levels(group, Place::middle)));
+  add_pair(side, samples.variation(samples.levels(group, Place::middle)));
 
   auto& change = evidence_.coordinates.back().change;
   if (!change) return;
@@ -86,12 +86,12 @@ void FrameJudge::add_neighbour(const ScanSamples& samples, const FrameOrder& ord
                         model_.layout().bands[band].periods;
 }
 
-void FrameJudge::add_pair(double variation) {
+void FrameJudge::add_pair(int side, double variation) {
   ++pairs_;
 
   // Neighbours share their relation, so that only noise is left in the difference.
   for (std::size_t i = 0; i < between_.size(); ++i) {
-    between_[i] += direction_of(here_.relations[i] - next_.relations[i]);
+    between_[i][side] += direction_of(here_.relations[i] - next_.relations[i]);
   }
 
   // Noise averages out of the products, a misfit of the patterns does not.
@@ -136,9 +136,13 @@ void FrameJudge::sum_up(std::size_t groups) {
   const auto n = static_cast<double>(std::max<std::size_t>(1, groups));
 
   // The difference of two neighbours carries the noise of both: its coherence is the square of one
-  // pixel's.
+  // pixel's. A wrong relation that changes steadily along the picture differs in both directions,
+  // which must not cancel; chance alone gives sums of sqrt(pairs).
   for (std::size_t i = 0; i < mean_.size(); ++i) {
-    const double noise = std::sqrt(std::abs(between_[i]) / std::max(1, pairs_));
+    const auto& [right, below] = between_[i];
+    const double by_sides = std::abs(right) + std::abs(below) - 2 * std::sqrt(pairs_);
+    const double coherent = std::max(std::abs(right + below), by_sides);
+    const double noise = std::sqrt(coherent / std::max(1, pairs_));
     evidence_.relations[i] = {
         .agreement = std::abs(mean_[i]) / n / std::max(noise, smallest),
         .offset = std::arg(mean_[i]) / two_pi,

@@ -109,7 +109,7 @@ class FrameJudge {
   /// Adds the neighbour on side 0, the right, or 1, below.
   void add_neighbour(const ScanSamples& samples, const FrameOrder& order, std::size_t group,
                      int side);
-  void add_pair(double variation);
+  void add_pair(int side, double variation);
   void sum_up(std::size_t groups);
   void look_for_damping(double groups);
   /// Logarithm of the ratio of a band's modulation to the coarsest band's.
@@ -118,9 +118,11 @@ class FrameJudge {
   const FrameModel& model_;
   FrameEvidence evidence_;
   SampleReading here_, next_;
-  std::vector<std::complex<double>> mean_, between_;  ///< of each relation
-  std::vector<std::complex<double>> damped_;          ///< of the cue's, for each damping
-  std::vector<SharedSpread> ratios_;                  ///< of each band
+  std::vector<std::complex<double>> mean_;  ///< of each relation
+  /// Of each relation: the sums of its change to the right, and below.
+  std::vector<std::array<std::complex<double>, 2>> between_;
+  std::vector<std::complex<double>> damped_;  ///< of the cue's, for each damping
+  std::vector<SharedSpread> ratios_;          ///< of each band
   std::vector<double> doubts_, misfits_;
   double residual_ = 0, variation_ = 0, by_origin_ = 0, origin_square_ = 0;
   int pairs_ = 0, seams_ = 0, far_pairs_ = 0;

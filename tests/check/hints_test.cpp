@@ -78,6 +78,26 @@ TEST(Hints, AreComposedWithTheOrderInForce) {
   EXPECT_EQ(advice_for(scan), "omit `order`");
 }
 
+// Exchanged steps of an oblique sinusoid leave its carrier in the phase, which rises steadily along
+// the picture.
+TEST(Hints, NameSwappedStepsOfObliqueSinusoids) {
+  const VirtualWorld world =
+      virtual_world({.scene = "sphere", .camera = {320, 240}, .world = "bench", .seed = 3});
+  const Strategy strategy = ModulatedPhaseShifting{};
+  Scan scan{.frames = take_scan(world.scanner, world.scene, pattern_set(strategy, Axis::x),
+                                world.photometry)
+                          .frames,
+            .sequence = {strategy, Axis::x, {}, world.scanner.projector.size},
+            .scanner = as_calibrated(world)};
+  EXPECT_EQ(advice_for(scan), "");
+
+  const Order swapped{0, 1, 2, 3, 4, 5, 6, 7, 8, 10, 9, 11};
+  taken_in_order(swapped)(scan);
+  EXPECT_NE(advice_for(scan).find(fmt::format("`order {}`", fmt::join(swapped, ","))),
+            std::string::npos)
+      << advice_for(scan);
+}
+
 /// The advice for a scan of one strategy that is read as another.
 std::string advice_if_read_as(const Strategy& shown, const Strategy& read) {
   Scan scan = right_scan("statue", shown);

@@ -216,6 +216,41 @@ TEST(SyntheticFrames, OfAPlainCodeMayHaveTheFinestBitAside) {
   EXPECT_EQ(evidence.torn, 0);
 }
 
+// 10 pixels to a stripe, so that the camera sees all; frames 8 to 9 are of the finest bit.
+TEST(SyntheticFrames, OfBitsBesideTheInversesOfOthersAreUnpaired) {
+  const Strategy code = make_strategy("gray", {{"bits", 5}, {"reference", "inverse"}});
+  EXPECT_EQ(code_of(code, shown(code, 20, 200)).unpaired, 0);
+  for (const int swapped : {6, 7}) {
+    const CodeEvidence evidence = code_of(code, [&](int n, int column, int) {
+      return 20 + 200 * code.shape(n == 8 ? swapped : n == swapped ? 8 : n, along(column));
+    });
+    EXPECT_NEAR(evidence.unpaired, 0.25, 0.05) << swapped;
+  }
+}
+
+TEST(SyntheticFrames, OfAPlainCodeTellItsFinestBitsApart) {
+  const Strategy code = make_strategy("gray", {{"bits", 5}, {"plain", true}});
+  const CodeEvidence evidence = code_of(code, [&](int n, int column, int) {
+    return 20 + 200 * code.shape(n < 3 ? n : 7 - n, along(column));
+  });
+  EXPECT_GT(evidence.torn, 0.5);
+}
+
+// The camera does not part the finest stripes.
+TEST(SyntheticFrames, OfACodeBlurFinerStripesFirst) {
+  for (const bool plain : {false, true}) {
+    const Strategy code = make_strategy("gray", {{"bits", 6}, {"plain", plain}});
+    for (const bool swapped : {false, true}) {
+      const CodeEvidence evidence = code_of(code, [&](int n, int column, int) {
+        return n == (swapped ? 4 : 5)
+                   ? 120
+                   : 20 + 200 * code.shape(swapped && n == 5 ? 4 : n, along(column));
+      });
+      EXPECT_EQ(evidence.blurred > 0.5, swapped) << plain;
+    }
+  }
+}
+
 TEST(SyntheticFrames, OfSinglePeriodsGiveTheErrorOfTheOrigin) {
   const Strategy off = make_strategy("micro", {{"origin", 0.1}});
   const SyntheticScan scan(make_strategy("micro", {}), shown(off, 20, 200));

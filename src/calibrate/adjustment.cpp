@@ -5,12 +5,12 @@
 #include <iterator>
 #include <map>
 
-#include <Eigen/Cholesky>
 #include <Eigen/SparseCore>
 #include <ceres/crs_matrix.h>
 #include <ceres/rotation.h>
 #include <ceres/solver.h>
 
+#include "base/linear_algebra.h"
 #include "base/throw_if-inl.h"
 #include "calibrate/corner_errors.h"
 
@@ -31,13 +31,11 @@ std::optional<Eigen::VectorXd> variances_of(const ceres::CRSMatrix& jacobian) {
   const Eigen::MatrixXd scaled = scale.asDiagonal() * normal * scale.asDiagonal();
 
   // A tiny pivot means a combination of parameters that the data leave free.
-  const Eigen::LDLT<Eigen::MatrixXd> factors(scaled);
   constexpr double least_pivot = 1e-13;
-  if (!(factors.vectorD().minCoeff() > least_pivot)) return std::nullopt;
+  const auto inverse = inverse_of_symmetric(scaled, least_pivot);
+  if (!inverse) return std::nullopt;
 
-  const Eigen::MatrixXd inverse =
-      factors.solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()));
-  return inverse.diagonal().cwiseProduct(scale.cwiseAbs2());
+  return inverse->diagonal().cwiseProduct(scale.cwiseAbs2());
 }
 
 }  // namespace

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/eigen.hpp>
 
+#include "base/linear_algebra.h"
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"
 #include "calibrate/board_view.h"
@@ -134,7 +134,7 @@ Eigen::Matrix2d affine_map(const BoardView& view) {
     ++row;
   }
 
-  const Eigen::Matrix<double, 3, 2> solution = camera.colPivHouseholderQr().solve(projector);
+  const Eigen::Matrix<double, 3, 2> solution = least_squares(camera, projector);
   return solution.topRows<2>().transpose();
 }
 

@@ -7,8 +7,8 @@
 #include <numeric>
 
 #include <Eigen/LU>
-#include <Eigen/QR>
 
+#include "base/linear_algebra.h"
 #include "base/parallel_rows.h"
 #include "base/throw_if-inl.h"
 #include "calibrate/board_view.h"
@@ -29,12 +29,12 @@ struct Fitted {
 };
 
 Fitted fitted(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
-  Fitted fit{A.colPivHouseholderQr().solve(b), {}};
+  Fitted fit{least_squares(A, b), {}};
 
   // Variance of the residuals; the inverse of A^T A gives each value's share of it.
   const double variance = (A * fit.values - b).squaredNorm() /
                           static_cast<double>(std::max<Eigen::Index>(1, A.rows() - A.cols()));
-  fit.deviations = ((A.transpose() * A).inverse().diagonal() * variance).cwiseSqrt();
+  fit.deviations = (inverse_of(A.transpose() * A).diagonal() * variance).cwiseSqrt();
   return fit;
 }
 

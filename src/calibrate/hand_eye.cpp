@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/QR>
 #include <fmt/ranges.h>
 
+#include "base/linear_algebra.h"
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"
 #include "calibrate/hand_eye_consensus.h"
@@ -151,10 +151,10 @@ void measure_scale(const std::vector<PosePair>& pairs, HandEye& result) {
   }
 
   const Eigen::Matrix<double, 7, 7> normal = by.transpose() * by;
-  const Eigen::Matrix<double, 7, 1> solution = by.colPivHouseholderQr().solve(values);
+  const Eigen::Matrix<double, 7, 1> solution = least_squares(by, values);
   const double variance = (by * solution - values).squaredNorm() / static_cast<double>(rows - 7);
   result.scale = solution[6];
-  result.scale_deviation = std::sqrt(variance * normal.inverse()(6, 6));
+  result.scale_deviation = std::sqrt(variance * inverse_of(normal)(6, 6));
 }
 
 std::vector<Finding> findings_of(const HandEye& result, std::size_t used) {

@@ -12,6 +12,7 @@
 #include <ceres/rotation.h>
 #include <ceres/solver.h>
 
+#include "base/linear_algebra.h"
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"
 #include "calibrate/quiet_ceres.h"
@@ -176,7 +177,7 @@ HandEyeScatter estimated_scatter(std::span<const PosePair> pairs, const HandEyeP
     board.setZero();
 
     for (std::size_t i = 0; i < errors.size(); ++i) {
-      const Matrix6 weight = covariance_with(effects[i], scatter).inverse();
+      const Matrix6 weight = inverse_of(covariance_with(effects[i], scatter));
       const Matrix6 carried = effects[i].transpose() * weight * effects[i];
       const PoseError share = weight * errors[i];
       const PoseError robot_share = effects[i].transpose() * share;
@@ -234,20 +235,17 @@ Eigen::Matrix<double, 12, 12> covariance_of_poses(std::span<const PosePair> pair
   Eigen::Matrix<double, 12, 12> normal = Eigen::Matrix<double, 12, 12>::Zero();
   for (const PosePair& pair : pairs) {
     const PairDerivatives by = derivatives_of(pair, poses, place);
-    normal += by.transpose() * covariance_of(pair, poses, place, scatter).inverse() * by;
+    normal += by.transpose() * Matrix6(inverse_of(covariance_of(pair, poses, place, scatter))) * by;
   }
 
   // Scale away the units. A tiny pivot means a combination that the poses leave free.
   constexpr double least_pivot = 1e-12;
   const Eigen::Matrix<double, 12, 1> scale = normal.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::LDLT<Eigen::Matrix<double, 12, 12>> factors(scale.asDiagonal() * normal *
-                                                           scale.asDiagonal());
-  throw_if(!(factors.vectorD().minCoeff() > least_pivot),
-           "the poses do not determine the hand-eye pose: turn the tool about two axes");
+  const auto inverse =
+      inverse_of_symmetric(scale.asDiagonal() * normal * scale.asDiagonal(), least_pivot);
+  throw_if(!inverse, "the poses do not determine the hand-eye pose: turn the tool about two axes");
 
-  const Eigen::Matrix<double, 12, 12> inverse =
-      factors.solve(Eigen::Matrix<double, 12, 12>::Identity());
-  return scale.asDiagonal() * inverse * scale.asDiagonal();
+  return scale.asDiagonal() * *inverse * scale.asDiagonal();
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/linear_algebra.h"
 #include "base/numbers.h"
 #include "base/statistics.h"
 #include "base/throw_if-inl.h"
@@ -42,7 +43,7 @@ double square_of(const PosePair& pair, const AdjustedHandEye& fit, EyePlace plac
   const PairDerivatives by = derivatives_of(pair, fit.poses, place);
   const Eigen::Matrix<double, 6, 6> covariance =
       covariance_of(pair, fit.poses, place, fit.scatter) + by * fit.covariance * by.transpose();
-  return error.dot(covariance.inverse() * error) / 6;
+  return error.dot(Matrix6(inverse_of(covariance)) * error) / 6;
 }
 
 /// Leaves out each used pose in turn; of many poses several at once.

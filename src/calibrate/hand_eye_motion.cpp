@@ -4,9 +4,9 @@
 #include <cmath>
 #include <string>
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
+#include "base/linear_algebra.h"
 #include "base/numbers.h"
 #include "geometry/rotation.h"
 
@@ -17,7 +17,7 @@ using Normal = Eigen::Matrix<double, 12, 12>;
 
 /// The standard deviations of the camera's pose with this information.
 MorePoses deviations_with(const Normal& normal, std::string which) {
-  const Eigen::Matrix<double, 12, 1> variances = normal.inverse().diagonal();
+  const Eigen::Matrix<double, 12, 1> variances = inverse_of(normal).diagonal();
   return {.which = std::move(which),
           .rotation = std::sqrt(variances.head<3>().sum()),
           .translation = std::sqrt(variances.segment<3>(3).sum())};
@@ -54,9 +54,8 @@ TurnSpread turn_spread(std::span<const PosePair> pairs) {
   turns.colwise() -= Eigen::Vector3d(turns.rowwise().mean());
 
   const Eigen::Matrix3d squares = turns * turns.transpose() / static_cast<double>(pairs.size());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(squares);
-  return {solver.eigenvalues().cwiseMax(0).cwiseSqrt().reverse(),
-          solver.eigenvectors().rowwise().reverse()};
+  const PrincipalAxes axes = principal_axes(squares);
+  return {axes.values.cwiseMax(0).cwiseSqrt().reverse(), axes.vectors.rowwise().reverse()};
 }
 
 char weakest_axis(const TurnSpread& spread) {
@@ -84,7 +83,7 @@ std::vector<Finding> findings_of_motion(const TurnSpread& spread) {
 std::vector<MorePoses> more_poses(std::span<const PosePair> pairs, const AdjustedHandEye& fit,
                                   EyePlace place) {
   constexpr double turn = 30 * degree;
-  const Normal normal = fit.covariance.inverse();
+  const Normal normal = inverse_of(fit.covariance);
   std::vector<MorePoses> more;
   more.push_back(deviations_with(2 * normal, fmt::format("{} more like these", pairs.size())));
 

@@ -8,8 +8,7 @@
 #include <random>
 #include <string>
 
-#include <Eigen/QR>
-
+#include "base/linear_algebra.h"
 #include "base/numbers.h"
 #include "base/statistics.h"
 #include "base/throw_if-inl.h"
@@ -121,7 +120,7 @@ void solve_translations(const Chain& chain, const Subset& subset, HandEyePoses& 
                              carrier * (poses.camera.linear() * chain.boards[i].translation());
   }
 
-  const Eigen::Matrix<double, 6, 1> solution = by.colPivHouseholderQr().solve(values);
+  const Eigen::Matrix<double, 6, 1> solution = least_squares(by, values);
   poses.camera.translation() = solution.head<3>();
   poses.board.translation() = solution.tail<3>();
 }

@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <string>
 
-#include <Eigen/Cholesky>
 #include <opencv2/calib3d.hpp>
 
+#include "base/linear_algebra.h"
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"
 #include "calibrate/charuco.h"
@@ -160,16 +160,15 @@ MarkerPose pose_on_edges(const Eigen::Isometry3d& start, double side, int cells,
       right += by * point.distance;
       squares += point.distance * point.distance;
     }
-    const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> factors(normal);
-    result.pose = turned_and_moved(result.pose, factors.solve(right));
+    const auto inverse = inverse_of_symmetric(normal, 0);
+    throw_if(!inverse, "its sides do not determine its pose");
+    result.pose = turned_and_moved(result.pose, *inverse * right);
 
     // 3. Neighbours share pixels, and their errors beat with the grid: every fourth distance is
     // independent, as measured in 20 virtual poses.
     constexpr double shared = 4;
     const double variance = squares / static_cast<double>(points.size() - 6);
-    const Vector6 deviation =
-        (shared * variance * factors.solve(Eigen::Matrix<double, 6, 6>::Identity()).diagonal())
-            .cwiseSqrt();
+    const Vector6 deviation = (shared * variance * inverse->diagonal()).cwiseSqrt();
     result.rotation_deviation = deviation.head<3>();
     result.translation_deviation = deviation.tail<3>();
     result.rms = std::sqrt(squares / static_cast<double>(points.size()));

@@ -8,10 +8,9 @@
 #include <map>
 #include <utility>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
-#include <Eigen/QR>
 
+#include "base/linear_algebra.h"
 #include "base/statistics.h"
 #include "base/throw_if-inl.h"
 #include "calibrate/board_view.h"
@@ -77,7 +76,7 @@ std::optional<Eigen::Matrix2d> from_camera_to_projector(const PosePoints& pose) 
     to.row(row) = pose.projector[both[k]].transpose();
   }
 
-  const Eigen::Matrix<double, 3, 2> solution = from.colPivHouseholderQr().solve(to);
+  const Eigen::Matrix<double, 3, 2> solution = least_squares(from, to);
   return solution.topRows<2>().transpose();
 }
 
@@ -176,15 +175,15 @@ void lay_flat(PosePoints& pose) {
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (const auto& point : pose.board) scatter += (point - centre) * (point - centre).transpose();
 
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(scatter);
+  const PrincipalAxes axes = principal_axes(scatter);
   constexpr double most = 0.02;  // of the board's size: measured boards are not quite flat
-  throw_if(!(axes.eigenvalues()[0] <= most * most * axes.eigenvalues()[2]),
-           "{}: the board's points are not flat", pose.name);
-  throw_if(!(axes.eigenvalues()[1] > most * most * axes.eigenvalues()[2]),
-           "{}: the board's points are on a line", pose.name);
+  throw_if(!(axes.values[0] <= most * most * axes.values[2]), "{}: the board's points are not flat",
+           pose.name);
+  throw_if(!(axes.values[1] > most * most * axes.values[2]), "{}: the board's points are on a line",
+           pose.name);
 
   // Points in a plane of one z keep x and y, so that they are the same places in all poses.
-  const Eigen::Vector3d normal = axes.eigenvectors().col(0);
+  const Eigen::Vector3d normal = axes.vectors.col(0);
   constexpr double level = 0.9999;
   const bool is_level = std::abs(normal.z()) > level;
   const auto turn = Eigen::Quaterniond::FromTwoVectors(normal, Eigen::Vector3d::UnitZ());

@@ -6,9 +6,9 @@
 #include <limits>
 #include <vector>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
+#include "base/linear_algebra.h"
 #include "base/numbers.h"
 #include "base/parallel_rows.h"
 #include "base/statistics.h"
@@ -91,7 +91,7 @@ Vector8 fitted(const std::vector<Sample>& samples, const std::vector<double>& fa
     right += w * (projector.x() * row_x + projector.y() * row_y);
   }
 
-  return normal.ldlt().solve(right);
+  return solve_symmetric(normal, right);
 }
 
 /// Initial factors: 0 for pixels off by whole fringes (far from the median), 1 for the others.

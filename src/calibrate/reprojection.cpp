@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
+#include "base/linear_algebra.h"
 #include "base/statistics.h"
 #include "calibrate/board_view.h"
 
@@ -70,8 +70,8 @@ double flatness_of(const BoardPlaces& points) {
     scatter += (point - centre) * (point - centre).transpose();
   }
 
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, solver.eigenvalues()[0]) / static_cast<double>(points.size()));
+  const double least = principal_axes(scatter).values[0];
+  return std::sqrt(std::max(0.0, least) / static_cast<double>(points.size()));
 }
 
 /// Sets the results from the distances between all pairs of points.

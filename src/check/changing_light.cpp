@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Cholesky>
 #include <fmt/format.h>
 
+#include "base/linear_algebra.h"
 #include "base/statistics.h"
 #include "check/mistake_search.h"
 
@@ -31,7 +31,7 @@ struct FrameGains {
   void solve() {
     const Eigen::Index count = right.size();
     const double held = normal.trace() / static_cast<double>(std::max<Eigen::Index>(1, count));
-    gains = (normal + Eigen::MatrixXd::Constant(count, count, held)).ldlt().solve(right);
+    gains = solve_symmetric(normal + Eigen::MatrixXd::Constant(count, count, held), right);
   }
 
   /// The part of `all` that `others`, gains from other pixels, explain.

@@ -6,8 +6,9 @@
 #include <cstddef>
 #include <iterator>
 
-#include <Eigen/Cholesky>
 #include <fmt/format.h>
+
+#include "base/linear_algebra.h"
 
 namespace slipstream {
 namespace {
@@ -36,7 +37,7 @@ void solve(Displacements& displaced) {
   normal.topLeftCorner(count, count).array() += held;
   normal.bottomRightCorner(count, count).array() += held;
   normal.diagonal().array() += slightly * held;
-  displaced.moves = normal.ldlt().solve(displaced.right);
+  displaced.moves = solve_symmetric(normal, displaced.right);
 }
 
 /// From every other group, beginning with `first`, 0 or 1.

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <fmt/ranges.h>
 
+#include "base/linear_algebra.h"
 #include "base/numbers.h"
 #include "decode/cue_evidence.h"
 #include "decode/equations.h"
@@ -51,15 +51,15 @@ Eigen::MatrixXd complement_of(const Strategy& strategy, const Layout& layout) {
   }
 
   // Eigenvectors that no shape contains span the complement.
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(products);
-  const double least = 1e-9 * solver.eigenvalues().maxCoeff();
-  const auto unused = (solver.eigenvalues().array() < least).count();
+  const PrincipalAxes axes = principal_axes(products);
+  const double least = 1e-9 * axes.values.maxCoeff();
+  const auto unused = (axes.values.array() < least).count();
 
   // The same rows for each cycle, one frame later each time.
   Eigen::MatrixXd all = Eigen::MatrixXd::Zero(cycles * unused, layout.frames);
   for (int k = 0; k < cycles; ++k) {
     all.block(k * unused, k, unused, count) =
-        solver.eigenvectors().leftCols(unused).transpose() / std::sqrt(cycles);
+        axes.vectors.leftCols(unused).transpose() / std::sqrt(cycles);
   }
 
   return all;

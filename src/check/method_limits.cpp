@@ -12,9 +12,10 @@
 #include <string_view>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/QR>
 #include <fmt/format.h>
 
+#include "base/linear_algebra.h"
 #include "base/numbers.h"
 #include "base/statistics.h"
 #include "check/phase_noise.h"
@@ -146,7 +147,7 @@ std::pair<double, double> fitted_gamma(const std::vector<LightRow>& rows, double
 
     // Standard error of gamma.
     error = std::sqrt(factors.dot(sums * factors) / std::max(1.0, weights) *
-                      sums.topLeftCorner<light_factors, light_factors>().inverse()(gamma, gamma));
+                      inverse_of(sums.topLeftCorner<light_factors, light_factors>())(gamma, gamma));
 
     // A robust standard deviation of the rest scales the next round's weights.
     for (const LightRow& row : rows) sizes.push_back(std::abs(row.dot(factors)));

@@ -4,8 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include <Eigen/Cholesky>
-
+#include "base/linear_algebra.h"
 #include "base/numbers.h"
 
 namespace slipstream {
@@ -148,7 +147,7 @@ std::optional<Waveform> waveform_of(const FrameModel& model, const JudgedScan& s
 
   // 3. Harmonics that these steps cannot show have empty columns: the ridge makes them 0.
   normal.diagonal().array() += 1e-6 * normal.trace() + 1e-12;
-  const Column found = normal.ldlt().solve(right);
+  const Column found = solve_symmetric(normal, right);
 
   Waveform waveform;
   for (int i = 0; i < unknowns; i += 2) {

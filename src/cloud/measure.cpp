@@ -7,11 +7,10 @@
 #include <random>
 #include <string_view>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 
+#include "base/linear_algebra.h"
 #include "base/statistics.h"
 #include "base/throw_if-inl.h"
 
@@ -51,10 +50,10 @@ FittedPlane plane_of(std::span<const MeasuredPoint> points, const FittedPlane& /
   }
 
   // The normal is the axis of least scatter. On a line the second axis has none either.
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(scatter);
-  throw_if(!(axes.eigenvalues()(1) > 1e-9 * axes.eigenvalues()(2)),
+  const PrincipalAxes axes = principal_axes(scatter);
+  throw_if(!(axes.values(1) > 1e-9 * axes.values(2)),
            "the points lie on a line and do not determine a plane");
-  plane.normal = axes.eigenvectors().col(0);
+  plane.normal = axes.vectors.col(0);
   if (plane.normal.dot(plane.centre) > 0) plane.normal = -plane.normal;
 
   return plane;
@@ -74,7 +73,7 @@ FittedSphere rough_sphere_of(std::span<const MeasuredPoint> points) {
     right += row * offset.squaredNorm();
   }
 
-  const Eigen::Vector4d solved = normal.ldlt().solve(right);
+  const Eigen::Vector4d solved = solve_symmetric(normal, right);
   const Vector centre = solved.head<3>();
   return {.centre = mean + centre, .radius = std::sqrt(solved(3) + centre.squaredNorm())};
 }
@@ -141,7 +140,7 @@ FittedSphere centred_sphere_of(std::span<const MeasuredPoint> points, FittedSphe
       right += signed_distance(sphere, point.position) * normal;
     }
 
-    const Vector step = squares.ldlt().solve(right);
+    const Vector step = solve_symmetric(squares, right);
     sphere.centre += step;
     if (!(step.norm() > 1e-9 * sphere.radius)) break;
   }

@@ -9,8 +9,7 @@
 #include <tuple>
 #include <vector>
 
-#include <Eigen/QR>
-
+#include "base/linear_algebra.h"
 #include "base/throw_if-inl.h"
 #include "slipstream/unwrapping.h"
 
@@ -186,10 +185,9 @@ std::vector<Band> fitted_bands(const std::vector<ShownSinusoid>& sinusoids, std:
   }
 
   // 2. The weights are the pseudo-inverse.
-  const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(made);
-  throw_if(solver.rank() < made.cols(), "{}: {} frames cannot separate {} sinusoids", name, frames,
-           count);
-  const Eigen::MatrixXd weights = solver.pseudoInverse();
+  const auto [weights, rank] =
+      shortest_least_squares(made, Eigen::MatrixXd::Identity(made.rows(), made.rows()));
+  throw_if(rank < made.cols(), "{}: {} frames cannot separate {} sinusoids", name, frames, count);
 
   const auto row = [&](Eigen::Index i) {
     std::vector<double> values(frames);

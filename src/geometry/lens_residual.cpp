@@ -8,8 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Cholesky>
-
+#include "base/linear_algebra.h"
 #include "base/statistics.h"
 #include "base/throw_if-inl.h"
 
@@ -191,7 +190,7 @@ LensResidual fitted_residual(const std::vector<ResidualSample>& samples, Size pi
       normal.selfadjointView<Eigen::Lower>().rankUpdate(row);
       right += samples[i].off * row;
     }
-    factors = normal.selfadjointView<Eigen::Lower>().ldlt().solve(right);
+    factors = solve_symmetric(normal, right);
   }
 
   for (Eigen::Index i = 0; i < terms; ++i) {

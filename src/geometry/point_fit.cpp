@@ -1,8 +1,8 @@
 #include "geometry/point_fit.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 
+#include "base/linear_algebra.h"
 #include "base/statistics.h"
 #include "base/throw_if-inl.h"
 #include "geometry/rotation.h"
@@ -10,10 +10,8 @@
 namespace slipstream {
 namespace {
 
-using PointColumns = Eigen::Matrix<double, 3, Eigen::Dynamic>;
-
-PointColumns columns_of(std::span<const Eigen::Vector3d> points) {
-  PointColumns columns(3, static_cast<Eigen::Index>(points.size()));
+Eigen::Matrix3Xd columns_of(std::span<const Eigen::Vector3d> points) {
+  Eigen::Matrix3Xd columns(3, static_cast<Eigen::Index>(points.size()));
   for (std::size_t i = 0; i < points.size(); ++i) {
     columns.col(static_cast<Eigen::Index>(i)) = points[i];
   }
@@ -21,8 +19,8 @@ PointColumns columns_of(std::span<const Eigen::Vector3d> points) {
 }
 
 /// The middle singular value of points on a line is 0.
-void require_spread(const PointColumns& points) {
-  const PointColumns centred = points.colwise() - points.rowwise().mean();
+void require_spread(const Eigen::Matrix3Xd& points) {
+  const Eigen::Matrix3Xd centred = points.colwise() - points.rowwise().mean();
   const Eigen::Vector3d spread =
       Eigen::JacobiSVD<Eigen::Matrix3d>(centred * centred.transpose()).singularValues();
   throw_if(!(spread[1] > 1e-8 * spread[0]),
@@ -32,6 +30,10 @@ void require_spread(const PointColumns& points) {
 
 }  // namespace
 
+Eigen::Isometry3d motion_between_points(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to) {
+  return Eigen::Isometry3d(Eigen::umeyama(from, to, false));
+}
+
 PointFit fit_points(std::span<const Eigen::Vector3d> points,
                     std::span<const Eigen::Vector3d> partners) {
   throw_if(points.size() != partners.size(), "{} points have {} partners", points.size(),
@@ -39,12 +41,12 @@ PointFit fit_points(std::span<const Eigen::Vector3d> points,
   throw_if(points.size() < 3, "{} pairs of points do not determine a pose; use at least 3",
            points.size());
 
-  const PointColumns from = columns_of(points), to = columns_of(partners);
+  const Eigen::Matrix3Xd from = columns_of(points), to = columns_of(partners);
   throw_if(!from.allFinite() || !to.allFinite(), "a point has a coordinate that is not finite");
   require_spread(from);
   require_spread(to);
 
-  PointFit fit{.pose = Eigen::Isometry3d(Eigen::umeyama(from, to, false))};
+  PointFit fit{.pose = motion_between_points(from, to)};
   Squares distances;
   for (std::size_t i = 0; i < points.size(); ++i) {
     fit.residuals.push_back((fit.pose * points[i] - partners[i]).norm());
@@ -57,12 +59,12 @@ PointFit fit_points(std::span<const Eigen::Vector3d> points,
 Vector6 known_step(const Matrix6& squares, const Vector6& right) {
   constexpr double least_known = 1e-4;  // of the best known direction
 
-  const Eigen::SelfAdjointEigenSolver<Matrix6> axes(squares);
+  const PrincipalAxes axes = principal_axes(squares);
   Vector6 step = Vector6::Zero();
   for (int i = 0; i < 6; ++i) {
-    if (!(axes.eigenvalues()(i) > least_known * axes.eigenvalues()(5))) continue;
-    const auto axis = axes.eigenvectors().col(i);
-    step += axis.dot(right) / axes.eigenvalues()(i) * axis;
+    if (!(axes.values(i) > least_known * axes.values(5))) continue;
+    const auto axis = axes.vectors.col(i);
+    step += axis.dot(right) / axes.values(i) * axis;
   }
   return step;
 }

@@ -7,6 +7,10 @@
 
 namespace slipstream {
 
+/// Least-squares motion of points, a column for each, to their partners, without a change of scale
+/// (Umeyama 1991).
+Eigen::Isometry3d motion_between_points(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to);
+
 /// The rigid motion that maps points onto others, and how well.
 struct PointFit {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
@@ -14,9 +18,8 @@ struct PointFit {
   double rms = 0;                   ///< of the residuals, mm
 };
 
-/// Least-squares motion of points to their partners in the same order, without a change of scale
-/// (Umeyama 1991). Throws Error unless there are as many partners as points, at least three, all
-/// finite, and the points are not on a line.
+/// The motion between points and their partners in the same order. Throws Error unless there are as
+/// many partners as points, at least three, all finite, and the points are not on a line.
 PointFit fit_points(std::span<const Eigen::Vector3d> points,
                     std::span<const Eigen::Vector3d> partners);
 

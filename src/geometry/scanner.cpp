@@ -8,7 +8,6 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <unsupported/Eigen/AutoDiff>
 
 #include "base/numbers.h"
@@ -69,25 +68,23 @@ struct Posed {
 
 Posed posed(const Eigen::Matrix<double, 3, 4>& matrix, std::string_view device) {
   const Eigen::Matrix3d left = matrix.leftCols<3>();
-  const Eigen::FullPivLU<Eigen::Matrix3d> lu(left);
-  throw_if(!matrix.allFinite() || !lu.isInvertible(),
-           "{}: the projection matrix is singular or not finite", device);
+  constexpr double least = 1e-14;  // of the matrix: rounding
 
-  // K R = left: with rows and columns of both reversed and transposed, this is a QR decomposition
-  // into an orthogonal and an upper triangular matrix.
-  const Eigen::Matrix3d turned = left.colwise().reverse().transpose();
+  // K R = left, with K upper triangular and R orthogonal, by Gram-Schmidt from the last row up. The
+  // focal lengths come out positive.
+  Eigen::Matrix3d K = Eigen::Matrix3d::Zero(), R = K;
+  for (int row = 2; row >= 0; --row) {
+    Eigen::Vector3d rest = left.row(row);
+    for (int below = 2; below > row; --below) {
+      K(row, below) = R.row(below).dot(left.row(row));
+      rest -= K(row, below) * R.row(below).transpose();
+    }
 
-  const Eigen::HouseholderQR<Eigen::Matrix3d> qr(turned);
-  const Eigen::Matrix3d upper = qr.matrixQR().triangularView<Eigen::Upper>();
-  const Eigen::Matrix3d orthogonal = qr.householderQ();
-
-  Eigen::Matrix3d K = upper.transpose().reverse();
-  Eigen::Matrix3d R = orthogonal.transpose().colwise().reverse();
-
-  // A decomposition is unique up to signs: make the focal lengths positive.
-  const Eigen::Vector3d signs = K.diagonal().cwiseSign();
-  K = (K * signs.asDiagonal()).eval();
-  R = (signs.asDiagonal() * R).eval();
+    K(row, row) = rest.norm();
+    throw_if(!(K(row, row) > least * matrix.norm()),
+             "{}: the projection matrix is singular or not finite", device);
+    R.row(row) = rest / K(row, row);
+  }
 
   Eigen::Vector3d T = K.triangularView<Eigen::Upper>().solve(matrix.col(3));
   if (R.determinant() < 0) {  // the matrix is known only up to its sign
@@ -95,8 +92,7 @@ Posed posed(const Eigen::Matrix<double, 3, 4>& matrix, std::string_view device) 
     T = -T;
   }
 
-  const Eigen::Matrix3d intrinsic = K.triangularView<Eigen::Upper>();
-  return {intrinsic / K(2, 2), R, T};
+  return {K / K(2, 2), R, T};
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "base/parallel_rows.h"
+#include "geometry/point_fit.h"
 
 namespace slipstream {
 namespace {
@@ -103,7 +104,7 @@ Eigen::Isometry3d motion_of(std::span<const Pairing> pairings,
     from.col(i) = pairing.second.cast<double>();
     to.col(i) = pairing.first.cast<double>();
   }
-  return Eigen::Isometry3d(Eigen::umeyama(from, to, false));
+  return motion_between_points(from, to);
 }
 
 /// The correspondences that fit a pose.

@@ -5,9 +5,7 @@
 #include <cstddef>
 #include <optional>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
-
+#include "base/linear_algebra.h"
 #include "base/parallel_rows.h"
 #include "base/statistics.h"
 #include "merge/point_grid.h"
@@ -231,8 +229,8 @@ double PatchScatter::matches_each() const {
   for (const auto& [patch, sum] : sums_) scatter += sum * sum.transpose();
 
   // The mean over the parameters that the matches determine, of any units.
-  const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> determined(squares_);
-  const double excess = determined.solve(scatter).trace() / static_cast<double>(determined.rank());
+  const auto [determined, rank] = shortest_least_squares(squares_, scatter);
+  const double excess = determined.trace() / static_cast<double>(rank);
   const double followed = slopes_ / weights_;
   return std::max(1.0, excess / (followed * followed));
 }
@@ -247,12 +245,12 @@ WeakestMotion weakest_motion(const SurfaceEquations& equations, double extent) {
   constexpr double none = 1e-12;
 
   const Vector6 units = units_of(extent);
-  const Eigen::SelfAdjointEigenSolver<Matrix6> axes(units.asDiagonal() * equations.information *
-                                                    units.asDiagonal());
-  const double least = std::max(axes.eigenvalues()(0), none);
+  const PrincipalAxes axes =
+      principal_axes(units.asDiagonal() * equations.information * units.asDiagonal());
+  const double least = std::max(axes.values(0), none);
   return {.slope = std::sqrt(least / std::max(equations.weight, none)),
           .sigma = 1 / std::sqrt(least),
-          .motion = units.asDiagonal() * axes.eigenvectors().col(0)};
+          .motion = units.asDiagonal() * axes.vectors.col(0)};
 }
 
 Eigen::Isometry3d settled_pose(const SurfaceSamples& first, const SurfaceSamples& second,

@@ -6,10 +6,7 @@
 #include <numbers>
 #include <utility>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
-
+#include "base/linear_algebra.h"
 #include "base/numbers.h"
 #include "base/statistics.h"
 #include "base/throw_if-inl.h"
@@ -102,14 +99,11 @@ TableEquations equations_of_all(const Turntable& table, std::span<const PairPose
 Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& information) {
   const Eigen::VectorXd scale = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
-  const auto count = scaled.rows();
-  const Eigen::MatrixXd inverse = scaled.ldlt().solve(Eigen::MatrixXd::Identity(count, count));
-  return scale.asDiagonal() * inverse * scale.asDiagonal();
+  return scale.asDiagonal() * inverse_of(scaled) * scale.asDiagonal();
 }
 
 double largest_deviation(const Eigen::Matrix2d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, axes.eigenvalues()[1]));
+  return std::sqrt(std::max(0.0, principal_axes(covariance).values[1]));
 }
 
 void set_deviations(Turntable& table, const Eigen::MatrixXd& information) {
@@ -143,7 +137,7 @@ Screw screw_of(const PairPose& pair) {
   const Vector3 t = onward.translation();
   const Vector3 across_axis = t - turn.axis().dot(t) * turn.axis();
   const Eigen::Matrix3d left = Eigen::Matrix3d::Identity() - onward.linear();
-  return {turn.axis(), left.completeOrthogonalDecomposition().solve(across_axis), turn.angle()};
+  return {turn.axis(), shortest_least_squares(left, across_axis).X, turn.angle()};
 }
 
 /// Angles of all views about an axis, from pair to pair; NaN if views are not connected.
@@ -354,8 +348,7 @@ Turntable refined_turntable(Turntable table, std::span<const PairPose> pairs,
         all.squares.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     const Eigen::MatrixXd scaled = scale.asDiagonal() * all.squares * scale.asDiagonal();
     const Eigen::VectorXd right = scale.asDiagonal() * all.right;
-    const Eigen::VectorXd step =
-        scale.asDiagonal() * scaled.completeOrthogonalDecomposition().solve(right);
+    const Eigen::VectorXd step = scale.asDiagonal() * shortest_least_squares(scaled, right).X;
 
     table = parameters.moved(std::move(table), step);
     centre_point(table, pairs);

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
+#include "base/linear_algebra.h"
 #include "base/numbers.h"
 #include "base/parallel_rows.h"
 #include "base/statistics.h"
@@ -195,7 +195,7 @@ CommonDistance common_distance(const std::vector<ComparedPoint>& points, Size si
     }
 
     // 3. The function that fits them best.
-    common.factors = normal.ldlt().solve(right);
+    common.factors = solve_symmetric(normal, right);
   }
   return common;
 }

@@ -8,8 +8,8 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/QR>
 
+#include "base/linear_algebra.h"
 #include "base/parallel_rows.h"
 
 namespace slipstream {
@@ -109,8 +109,7 @@ LensSegment lens_segment(const Triangulator& triangulate, const ProjectionMatric
   }
 
   // The least-norm solution, for segments of one or two pixels.
-  const Eigen::Matrix<double, 3, lens_terms> parabolas =
-      powers.completeOrthogonalDecomposition().solve(values);
+  const Eigen::Matrix<double, 3, lens_terms> parabolas = shortest_least_squares(powers, values).X;
   for (int k = 0; k < lens_terms; ++k) {
     for (int power = 0; power < 3; ++power) {
       segment.c[k][power] = static_cast<float>(parabolas(power, k));

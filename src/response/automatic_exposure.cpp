@@ -13,6 +13,7 @@
 
 #include <Eigen/Dense>
 
+#include "base/linear_algebra.h"
 #include "base/throw_if-inl.h"
 #include "slipstream/error.h"
 
@@ -125,15 +126,14 @@ std::pair<double, double> explained_by(double frequency, const std::vector<doubl
     seen(i) = levels[static_cast<std::size_t>(i)];
   }
 
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> all(waves);
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> drift(waves.leftCols<2>());
-  if (all.rank() < 4) return {0, 0};  // sampled so that it looks constant
+  const auto [fitted, rank] = shortest_least_squares(waves, seen);
+  if (rank < 4) return {0, 0};  // sampled so that it looks constant
 
-  const Eigen::VectorXd fitted = all.solve(seen);
+  const Eigen::MatrixXd drift = least_squares(waves.leftCols<2>(), seen);
   const double left = (seen - waves * fitted).squaredNorm();
-  const double before = (seen - waves.leftCols<2>() * drift.solve(seen)).squaredNorm();
+  const double before = (seen - waves.leftCols<2>() * drift).squaredNorm();
   const double mean = std::max(seen.mean(), 1e-9);
-  return {before > 0 ? 1 - left / before : 0, fitted.tail<2>().norm() / mean};
+  return {before > 0 ? 1 - left / before : 0, fitted.bottomRows<2>().norm() / mean};
 }
 
 }  // namespace

@@ -8,9 +8,10 @@
 #include <string>
 #include <utility>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <fmt/format.h>
+
+#include "base/linear_algebra.h"
 
 namespace slipstream {
 namespace {
@@ -129,7 +130,7 @@ Amounts fitted_amounts(const RigMotion& motion, const Scanner& scanner,
     // 2. The change of the amounts that makes them least.
     Eigen::MatrixXd normal = slopes.transpose() * slopes;
     normal.diagonal().array() += 1e-6 * normal.trace() + 1e-12;
-    amounts.head(motion.unknowns) -= normal.ldlt().solve(slopes.transpose() * now);
+    amounts.head(motion.unknowns) -= solve_symmetric(normal, slopes.transpose() * now);
   }
   return amounts;
 }

@@ -9,6 +9,7 @@
 
 #include "calibrate/board_view.h"
 #include "calibrate/report.h"
+#include "geometry/point_fit.h"
 #include "io/image_file.h"
 #include "io/scan_pictures.h"
 #include "reconstruct/pipeline.h"
@@ -52,7 +53,7 @@ double shape_difference(const fs::path& folder, const Scanner& a, const Scanner&
   using Points = Eigen::Map<const Eigen::Matrix3Xd>;
   const auto count = static_cast<Eigen::Index>(points_a.size());
   const Points A(points_a.front().data(), 3, count), B(points_b.front().data(), 3, count);
-  const Eigen::Isometry3d onto_a(Eigen::umeyama(B, A, false));
+  const Eigen::Isometry3d onto_a = motion_between_points(B, A);
   const Eigen::Matrix3Xd moved = (onto_a.linear() * B).colwise() + onto_a.translation();
   return std::sqrt((A - moved).squaredNorm() / static_cast<double>(count));
 }

@@ -217,11 +217,12 @@ bool reload_is_wanted_within(std::chrono::milliseconds time) {
   return false;
 }
 
-/// How a service goes on if the run of a reload cannot begin. Empty once it has.
-struct Fallback {
-  std::optional<ServedRig> before{};  ///< settings that worked before
-  bool returns = false;               ///< the run has them again
-  bool waits = false;                 ///< they do not work either, as while the camera is away
+/// How far a service is with a reload.
+enum class Reload {
+  done,          ///< the run has begun
+  new_settings,  ///< are tried
+  old_settings,  ///< are tried again, as the new ones failed
+  waiting,       ///< the old ones failed too, as while the camera is away; tried every second
 };
 
 void serve(const LiveFlags& given, Output& output) {
@@ -236,11 +237,12 @@ void serve(const LiveFlags& given, Output& output) {
     output.warn(fmt::format("{}; {}", error.what(), then));
   };
 
-  Fallback fallback;
+  Reload reload = Reload::done;
+  std::optional<ServedRig> before;  // the old settings, while new ones are tried
   while (true) {
     // Called by the run: once it works, and when SIGHUP asks for a reload.
     std::optional<ServedRig> next;
-    now.flags.begun = [&] { fallback = {}; };
+    now.flags.begun = [&] { reload = Reload::done; };
 
     now.flags.reload = [&] {
       try {
@@ -257,27 +259,27 @@ void serve(const LiveFlags& given, Output& output) {
       locating(now.rig, [&] { live(now.flags, output); });
       if (!next || stopped_by_signal()) return;
     } catch (const std::exception& error) {
-      auto& [before, returns, waits] = fallback;
-      const bool is_reload = before || returns;
-      if (!is_reload && (!next || stopped_by_signal())) throw;
+      if (reload == Reload::done && (!next || stopped_by_signal())) throw;
       if (stopped_by_signal()) return;
 
       // The run ended for new settings, but could not complete its files.
       if (next) {
         output.warn(error.what());
-      } else if (before) {  // new settings have failed, which is only known once all is opened
+      } else if (reload == Reload::new_settings) {  // only known once all is opened
         refuse(error, "continuing with the old settings");
         now = *std::exchange(before, std::nullopt);
-        returns = true;
+        reload = Reload::old_settings;
         continue;
       } else {
-        if (!std::exchange(waits, true)) refuse(error, "trying again");
+        if (reload == Reload::old_settings) refuse(error, "trying again");
+        reload = Reload::waiting;
         if (reload_is_wanted_within(std::chrono::seconds(1))) now.flags.reload();
         if (!next) continue;
       }
     }
 
-    fallback.before = std::exchange(now, *next);
+    before = std::exchange(now, *next);
+    reload = Reload::new_settings;
   }
 }
 

@@ -221,15 +221,17 @@ inline Eigen::Vector3d position_at(const Cloud& cloud, int column, int row) {
   return {cloud.x(column, row), cloud.y(column, row), cloud.z(column, row)};
 }
 
+/// Distance between the rays of two points, mm, at the depth of the first; NaN if one is missing.
+/// Off the axis, a jump in depth also moves a point sideways, so that the points are farther apart.
+inline double distance_between_rays(const Eigen::Vector3d& first, const Eigen::Vector3d& second) {
+  return first.z() * (second.head<2>() / second.z() - first.head<2>() / first.z()).norm();
+}
+
 /// Whether two points of neighbouring pixels lie on one surface: their depths differ by at most
-/// `largest_step` times the distance between their rays at the depth of the first. False if one is
-/// missing.
+/// `largest_step` times the distance between their rays. False if one is missing.
 inline bool on_one_surface(const Eigen::Vector3d& first, const Eigen::Vector3d& second,
                            double largest_step) {
-  // Between rays, not points: off the axis, a jump in depth also moves a point sideways.
-  const double across =
-      first.z() * (second.head<2>() / second.z() - first.head<2>() / first.z()).norm();
-  return std::abs(second.z() - first.z()) <= largest_step * across;
+  return std::abs(second.z() - first.z()) <= largest_step * distance_between_rays(first, second);
 }
 
 /// Signed error, mm, of z relative to the nearest `depth` of a pixel and its eight neighbours,

@@ -54,7 +54,6 @@ bool is_off_surface(Validity validity) {
 Surroundings surroundings(const Cloud& cloud, const Maps& maps, int column, int row,
                           double depth_by_y, double noise) {
   const Eigen::Vector3d here = position_at(cloud, column, row);
-  const Eigen::Vector2d ray = here.head<2>() / here.z();
   Surroundings around{.brightest = maps.modulation(column, row)};
   std::array<double, 9> unseen{};  // changes to lit neighbours without a point
 
@@ -71,9 +70,8 @@ Surroundings surroundings(const Cloud& cloud, const Maps& maps, int column, int 
       around.at_step |= is_off_surface(validity);
       unseen[i] = change;
     } else {
-      // As in on_one_surface: the distance between the rays, and the change of depth.
       const Eigen::Vector3d there = position_at(cloud, x, y);
-      const double across = here.z() * (there.head<2>() / there.z() - ray).norm();
+      const double across = distance_between_rays(here, there);
       const double step = std::abs(there.z() - here.z());
 
       if (!(step <= steep * across)) {

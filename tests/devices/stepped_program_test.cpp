@@ -245,12 +245,19 @@ TEST(SteppedProgram, LiveOnAMonitorWarnsOfARigThatMoved) {
     turned.rotation = (Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitX()) * turned.rotation).eval();
     write_scanner(scanner, turned);
 
-    const ProgramRun run = run_program(live_flags(scanner, "6"));
-    ASSERT_EQ(run.exit_code, 0) << run.err;
+    // On a busy machine the delay may be measured wrongly: the run then warns of frames that
+    // disagree, and has no guard.
+    ProgramRun run;
+    nlohmann::json guard;
+    for (int attempt = 0; attempt < 3 && guard.is_null(); ++attempt) {
+      run = run_program(live_flags(scanner, "6"));
+      ASSERT_EQ(run.exit_code, 0) << run.err;
+      guard = nlohmann::json::parse(run.out).value("guard", nlohmann::json());
+    }
+    ASSERT_FALSE(guard.is_null()) << run.err;
+
     const bool warned = run.err.find("the camera turned by 1.") != std::string::npos;
     EXPECT_EQ(warned, angle != 0) << run.err;
-    const nlohmann::json guard = nlohmann::json::parse(run.out).value("guard", nlohmann::json());
-    ASSERT_FALSE(guard.is_null()) << run.err;
     EXPECT_EQ(guard["common_px"] > 1, angle != 0) << guard;
   }
 }

@@ -326,11 +326,9 @@ void keep_box(Cloud& cloud, const CleanSettings& clean) {
   if (clean.box_frame) to_box = pose_from_frame(*clean.box_frame, camera_frame).transform;
   if (cloud.frame) to_box = to_box * cloud.frame->transform.inverse();
 
-  const Eigen::AlignedBox3d box(Eigen::Vector3d(clean.box->least.data()),
-                                Eigen::Vector3d(clean.box->largest.data()));
   for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
     if (cloud.validity(column, row) != Validity::valid) return;
-    if (box.contains(to_box * position_at(cloud, column, row))) return;
+    if (clean.box->contains(to_box * position_at(cloud, column, row))) return;
     cloud.reject(column, row, Validity::outside_region);
   });
 }

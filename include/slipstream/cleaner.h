@@ -16,6 +16,9 @@ namespace slipstream {
 struct PointBox {
   std::array<double, 3> least{}, largest{};
 
+  /// Whether a place in the box's frame, mm, is inside; faces are.
+  [[nodiscard]] bool contains(const Eigen::Vector3d& place) const;
+
   friend bool operator==(const PointBox&, const PointBox&) = default;
 };
 

@@ -21,11 +21,7 @@ Eigen::MatrixXd inverse_of(const MatrixView& A) {
   return A.inverse();
 }
 
-Eigen::MatrixXd least_squares(const MatrixView& A, const MatrixView& B) {
-  return A.colPivHouseholderQr().solve(B);
-}
-
-ShortestSolution shortest_least_squares(const MatrixView& A, const MatrixView& B) {
+LeastSquares least_squares(const MatrixView& A, const MatrixView& B) {
   const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factors(A);
   return {factors.solve(B), factors.rank()};
 }

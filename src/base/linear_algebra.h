@@ -4,9 +4,10 @@
 
 #include <Eigen/Core>
 
-/// Decompositions of matrices of any size. Those of Eigen are templates: GCC takes two to six
-/// seconds for each size of matrix in each source (build with -ftime-report), and these are
-/// compiled once. Loops over pixels use Eigen's own, for the size that they know.
+// Decompositions of matrices of any size. Eigen's are templates of the size, and each one takes GCC
+// seconds in each source; these are compiled once. Loops over pixels use Eigen's own, for the size
+// that they know.
+
 namespace slipstream {
 
 using MatrixView = Eigen::Ref<const Eigen::MatrixXd>;
@@ -23,15 +24,13 @@ std::optional<Eigen::MatrixXd> inverse_of_symmetric(const MatrixView& A, double 
 /// The inverse of a square matrix; not finite if it has none.
 Eigen::MatrixXd inverse_of(const MatrixView& A);
 
-/// The X that minimises |A X - B|, column by column; if A leaves X free, any that does.
-Eigen::MatrixXd least_squares(const MatrixView& A, const MatrixView& B);
-
-/// As `least_squares`; if A leaves X free, the shortest.
-struct ShortestSolution {
+struct LeastSquares {
   Eigen::MatrixXd X;
   Eigen::Index rank = 0;  ///< of A
 };
-ShortestSolution shortest_least_squares(const MatrixView& A, const MatrixView& B);
+
+/// The X that minimises |A X - B|, column by column; the shortest, if A leaves X free.
+LeastSquares least_squares(const MatrixView& A, const MatrixView& B);
 
 /// Eigenvalues of a symmetric matrix, ascending, and its eigenvectors of length 1: a column for
 /// each.

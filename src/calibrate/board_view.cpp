@@ -192,7 +192,7 @@ Eigen::VectorXd smooth_course(const Eigen::MatrixX2d& pixels, const Eigen::Vecto
   terms.col(11) = -y.cwiseProduct(pixels.col(1));
 
   const Eigen::VectorXd solution =
-      least_squares(weights.asDiagonal() * terms, weights.cwiseProduct(y));
+      least_squares(weights.asDiagonal() * terms, weights.cwiseProduct(y)).X;
   return (terms.leftCols(10) * solution.head(10)).array() /
          (1 + pixels.col(0).array() * solution[10] + pixels.col(1).array() * solution[11]);
 }

@@ -134,7 +134,7 @@ Eigen::Matrix2d affine_map(const BoardView& view) {
     ++row;
   }
 
-  const Eigen::Matrix<double, 3, 2> solution = least_squares(camera, projector);
+  const Eigen::Matrix<double, 3, 2> solution = least_squares(camera, projector).X;
   return solution.topRows<2>().transpose();
 }
 

@@ -6,7 +6,7 @@
 #include <map>
 #include <numeric>
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 
 #include "base/linear_algebra.h"
 #include "base/parallel_rows.h"
@@ -29,7 +29,7 @@ struct Fitted {
 };
 
 Fitted fitted(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
-  Fitted fit{least_squares(A, b), {}};
+  Fitted fit{least_squares(A, b).X, {}};
 
   // Variance of the residuals; the inverse of A^T A gives each value's share of it.
   const double variance = (A * fit.values - b).squaredNorm() /

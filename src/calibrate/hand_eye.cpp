@@ -151,7 +151,7 @@ void measure_scale(const std::vector<PosePair>& pairs, HandEye& result) {
   }
 
   const Eigen::Matrix<double, 7, 7> normal = by.transpose() * by;
-  const Eigen::Matrix<double, 7, 1> solution = least_squares(by, values);
+  const Eigen::Matrix<double, 7, 1> solution = least_squares(by, values).X;
   const double variance = (by * solution - values).squaredNorm() / static_cast<double>(rows - 7);
   result.scale = solution[6];
   result.scale_deviation = std::sqrt(variance * inverse_of(normal)(6, 6));

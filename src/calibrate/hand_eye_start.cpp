@@ -120,7 +120,7 @@ void solve_translations(const Chain& chain, const Subset& subset, HandEyePoses& 
                              carrier * (poses.camera.linear() * chain.boards[i].translation());
   }
 
-  const Eigen::Matrix<double, 6, 1> solution = least_squares(by, values);
+  const Eigen::Matrix<double, 6, 1> solution = least_squares(by, values).X;
   poses.camera.translation() = solution.head<3>();
   poses.board.translation() = solution.tail<3>();
 }

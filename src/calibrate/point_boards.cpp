@@ -76,7 +76,7 @@ std::optional<Eigen::Matrix2d> from_camera_to_projector(const PosePoints& pose) 
     to.row(row) = pose.projector[both[k]].transpose();
   }
 
-  const Eigen::Matrix<double, 3, 2> solution = least_squares(from, to);
+  const Eigen::Matrix<double, 3, 2> solution = least_squares(from, to).X;
   return solution.topRows<2>().transpose();
 }
 

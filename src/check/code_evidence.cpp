@@ -107,10 +107,12 @@ struct Steps {
   }
 };
 
-/// The largest share of wrong steps that exceeds the share at depth edges by 5 standard deviations:
-/// a few edges of a coarse bit may all lie there.
+constexpr double usual = 0.3;  ///< share of wrong steps at depth edges, at most
+
+/// The largest share of wrong steps that exceeds the usual one by 5 standard deviations: a few
+/// edges of a coarse bit may all lie at depth edges.
 double excess_share(const Steps::Counts& all, const Steps::Counts& wrong) {
-  constexpr double usual = 0.3, deviations = 5;
+  constexpr double deviations = 5;
 
   double most = 0;
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -127,8 +129,6 @@ double excess_share(const Steps::Counts& all, const Steps::Counts& wrong) {
 /// Wrong steps of a plain code between pixels next to each other, which see finer bits than far
 /// ones: as excess_share().
 double torn_plain(const Steps& next) {
-  constexpr double usual = 0.3;
-
   Steps::Counts all{}, wrong{}, again{}, not_next{};
   next.count(false, 2, all, wrong);
   next.count(false, 1, again, not_next);
@@ -226,8 +226,8 @@ constexpr std::array<SymptomCause, 2> of_bits{
 
 }  // namespace
 
-// Limits: right scans, real ones among them, reach 0.17 of doubt and stay below half of the others;
-// wrong orders and periods give 0.35 to 0.5 of doubt.
+// Limits: right scans, real ones among them, reach 0.17 of doubt and 0.28 of blur, and stay below
+// half of the other limits; wrong orders and periods give 0.35 to 0.5 of doubt.
 const std::array<CodeSymptom, 9> code_symptoms{{
     {FindingKind::beyond_black_or_white,
      "white and black do not part the code's dark bits from its bright ones in over {:g} % of the "
@@ -424,9 +424,10 @@ class CodeJudge {
     CodeEvidence evidence;
     evidence.disordered = disordered_ / n;
     evidence.unlisted = unlisted_ / n;
-    for (std::size_t bit = 0; bit < too_dark_.size(); ++bit)
-      evidence.unpaired =
-          std::max(evidence.unpaired, std::min(too_bright_[bit], too_dark_[bit]) / n);
+    for (std::size_t bit = 0; bit < too_dark_.size(); ++bit) {
+      const double both = std::min(too_bright_[bit], too_dark_[bit]) / n;
+      evidence.unpaired = std::max(evidence.unpaired, both);
+    }
     evidence.torn = torn(steps_, code_.gray);
     evidence.blurred = blurred(n);
 

@@ -50,17 +50,6 @@ Image<std::uint8_t> outline_mask(const std::vector<PictureCorner>& outline, Size
   return mask;
 }
 
-/// `frame`: of the box; null: the camera's.
-bool is_inside(const PointBox& box, const FramePose* frame, const Cloud& cloud, int column,
-               int row) {
-  Eigen::Vector3d place = position_at(cloud, column, row);
-  if (frame != nullptr) place = frame->transform * place;
-
-  return is_between(place.x(), box.least[0], box.largest[0]) &&
-         is_between(place.y(), box.least[1], box.largest[1]) &&
-         is_between(place.z(), box.least[2], box.largest[2]);
-}
-
 /// A row of depths, or NaN, readable one beyond either end.
 struct PaddedRow : std::vector<float> {
   void copy(const float* depths, int width) {
@@ -84,6 +73,11 @@ TrustStage trust_stage(const CleanSettings& settings, const DepthNoise& noise) {
 }
 
 }  // namespace
+
+bool PointBox::contains(const Eigen::Vector3d& place) const {
+  return is_between(place.x(), least[0], largest[0]) &&
+         is_between(place.y(), least[1], largest[1]) && is_between(place.z(), least[2], largest[2]);
+}
 
 void require_valid(const CleanSettings& settings) {
   require_in_range(settings);
@@ -363,16 +357,15 @@ struct Cleaner::Pass {
       memory.outline = outline_mask(settings.outline, cloud.size());
     }
 
-    std::optional<FramePose> box_frame;
-    if (settings.box_frame) box_frame = pose_from_frame(*settings.box_frame, camera_frame);
+    Eigen::Isometry3d to_box = Eigen::Isometry3d::Identity();
+    if (settings.box_frame) to_box = pose_from_frame(*settings.box_frame, camera_frame).transform;
 
     for_each_counting(cloud.size().height, rows_together, [&](int row, ValidityCounts& counted) {
       for (int column = 0; column < cloud.size().width; ++column) {
         const bool outlined = settings.outline.empty() || memory.outline(column, row) != 0;
         if (!(cloud.z(column, row) > 0)) continue;
         const bool inside =
-            !settings.box ||
-            is_inside(*settings.box, box_frame ? &*box_frame : nullptr, cloud, column, row);
+            !settings.box || settings.box->contains(to_box * position_at(cloud, column, row));
         if (outlined && inside) continue;
 
         cloud.reject(column, row, Validity::outside_region);

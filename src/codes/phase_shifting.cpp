@@ -186,7 +186,7 @@ std::vector<Band> fitted_bands(const std::vector<ShownSinusoid>& sinusoids, std:
 
   // 2. The weights are the pseudo-inverse.
   const auto [weights, rank] =
-      shortest_least_squares(made, Eigen::MatrixXd::Identity(made.rows(), made.rows()));
+      least_squares(made, Eigen::MatrixXd::Identity(made.rows(), made.rows()));
   throw_if(rank < made.cols(), "{}: {} frames cannot separate {} sinusoids", name, frames, count);
 
   const auto row = [&](Eigen::Index i) {

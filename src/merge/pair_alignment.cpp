@@ -85,7 +85,8 @@ void describe_fit(const PreparedView& first, const PreparedView& second, std::si
   const std::size_t beside = of_second.beside + of_first.beside;
   alignment.contradictions = share_of(through, through + beside);
 
-  // The pose fits the part that moved, or, if it is no motion at all, the rest.
+  // A pose that fits what moved contradicts points that stood still, and these meet the other view
+  // without any motion. A pose that fits what stood still is hardly a motion.
   constexpr double most = 0.5;
   const double moved = largest_displacement(alignment.pose, Eigen::Isometry3d::Identity(),
                                             second.middle(), second.reach());

@@ -229,7 +229,7 @@ double PatchScatter::matches_each() const {
   for (const auto& [patch, sum] : sums_) scatter += sum * sum.transpose();
 
   // The mean over the parameters that the matches determine, of any units.
-  const auto [determined, rank] = shortest_least_squares(squares_, scatter);
+  const auto [determined, rank] = least_squares(squares_, scatter);
   const double excess = determined.trace() / static_cast<double>(rank);
   const double followed = slopes_ / weights_;
   return std::max(1.0, excess / (followed * followed));

@@ -95,11 +95,14 @@ TableEquations equations_of_all(const Turntable& table, std::span<const PairPose
   return all;
 }
 
-/// Covariance from the information, without the units: rad and mm.
-Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& information) {
+/// Covariance from the information, without the units: rad and mm. nullopt if the information
+/// leaves a parameter open.
+std::optional<Eigen::MatrixXd> covariance_of(const Eigen::MatrixXd& information) {
   const Eigen::VectorXd scale = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
-  return scale.asDiagonal() * inverse_of(scaled) * scale.asDiagonal();
+  const auto inverse = inverse_of_symmetric(scaled, 0);
+  if (!inverse) return std::nullopt;
+  return scale.asDiagonal() * *inverse * scale.asDiagonal();
 }
 
 double largest_deviation(const Eigen::Matrix2d& covariance) {
@@ -107,12 +110,18 @@ double largest_deviation(const Eigen::Matrix2d& covariance) {
 }
 
 void set_deviations(Turntable& table, const Eigen::MatrixXd& information) {
-  const Eigen::MatrixXd covariance = covariance_of(information);
-  table.direction_sigma = largest_deviation(covariance.topLeftCorner<2, 2>());
-  table.point_sigma = largest_deviation(covariance.block<2, 2>(2, 2));
-  table.step_sigma = covariance.rows() > 4
-                         ? std::sqrt(covariance.diagonal().tail(covariance.rows() - 4).maxCoeff())
-                         : 0;
+  const auto covariance = covariance_of(information);
+  if (!covariance) {
+    table.direction_sigma = table.point_sigma = table.step_sigma =
+        std::numeric_limits<double>::infinity();
+    return;
+  }
+
+  const Eigen::VectorXd variances = covariance->diagonal();
+  table.direction_sigma = largest_deviation(covariance->topLeftCorner<2, 2>());
+  table.point_sigma = largest_deviation(covariance->block<2, 2>(2, 2));
+  table.step_sigma =
+      variances.size() > 4 ? std::sqrt(variances.tail(variances.size() - 4).maxCoeff()) : 0;
 }
 
 /// Moves the point along the axis to where it is nearest to the pairs' middle.
@@ -137,7 +146,7 @@ Screw screw_of(const PairPose& pair) {
   const Vector3 t = onward.translation();
   const Vector3 across_axis = t - turn.axis().dot(t) * turn.axis();
   const Eigen::Matrix3d left = Eigen::Matrix3d::Identity() - onward.linear();
-  return {turn.axis(), shortest_least_squares(left, across_axis).X, turn.angle()};
+  return {turn.axis(), least_squares(left, across_axis).X, turn.angle()};
 }
 
 /// Angles of all views about an axis, from pair to pair; NaN if views are not connected.
@@ -348,7 +357,7 @@ Turntable refined_turntable(Turntable table, std::span<const PairPose> pairs,
         all.squares.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     const Eigen::MatrixXd scaled = scale.asDiagonal() * all.squares * scale.asDiagonal();
     const Eigen::VectorXd right = scale.asDiagonal() * all.right;
-    const Eigen::VectorXd step = scale.asDiagonal() * shortest_least_squares(scaled, right).X;
+    const Eigen::VectorXd step = scale.asDiagonal() * least_squares(scaled, right).X;
 
     table = parameters.moved(std::move(table), step);
     centre_point(table, pairs);

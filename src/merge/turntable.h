@@ -29,7 +29,7 @@ struct Turntable {
   std::vector<double> angles{};                          ///< of each view, rad; the first is 0
   std::optional<double> step{};                          ///< rad; nullopt if the steps differ
 
-  // Standard deviations.
+  // Standard deviations; infinite if the views leave one of the parameters open.
   double direction_sigma = 0;  ///< of its least known tilt, rad
   double point_sigma = 0;      ///< of its least known shift across the axis, mm
   double step_sigma = 0;       ///< rad; of the least known angle if the steps differ

@@ -109,7 +109,7 @@ LensSegment lens_segment(const Triangulator& triangulate, const ProjectionMatric
   }
 
   // The least-norm solution, for segments of one or two pixels.
-  const Eigen::Matrix<double, 3, lens_terms> parabolas = shortest_least_squares(powers, values).X;
+  const Eigen::Matrix<double, 3, lens_terms> parabolas = least_squares(powers, values).X;
   for (int k = 0; k < lens_terms; ++k) {
     for (int power = 0; power < 3; ++power) {
       segment.c[k][power] = static_cast<float>(parabolas(power, k));

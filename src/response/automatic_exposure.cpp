@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "base/linear_algebra.h"
 #include "base/throw_if-inl.h"
@@ -126,10 +126,10 @@ std::pair<double, double> explained_by(double frequency, const std::vector<doubl
     seen(i) = levels[static_cast<std::size_t>(i)];
   }
 
-  const auto [fitted, rank] = shortest_least_squares(waves, seen);
+  const auto [fitted, rank] = least_squares(waves, seen);
   if (rank < 4) return {0, 0};  // sampled so that it looks constant
 
-  const Eigen::MatrixXd drift = least_squares(waves.leftCols<2>(), seen);
+  const Eigen::MatrixXd drift = least_squares(waves.leftCols<2>(), seen).X;
   const double left = (seen - waves * fitted).squaredNorm();
   const double before = (seen - waves.leftCols<2>() * drift).squaredNorm();
   const double mean = std::max(seen.mean(), 1e-9);

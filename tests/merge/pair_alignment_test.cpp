@@ -203,7 +203,7 @@ TEST(PairAlignmentAlignViews, FindsTheTurnOfARealTurntable) {
   // Both clouds have a noise of 0.15 mm.
   EXPECT_LT(found.rms, 0.22);
 
-  // Other programs count points within 0.5 mm of the nearest one, along its normal.
+  // Without points at edges, which are farther than 0.5 mm from the nearest one.
   Squares near;
   for (const Eigen::Vector3f& point : second.view().points) {
     const Eigen::Vector3f place = found.pose.cast<float>() * point;

@@ -1,6 +1,7 @@
 #include "merge/turntable.h"
 
 #include <cmath>
+#include <cstddef>
 #include <random>
 #include <vector>
 
@@ -106,6 +107,20 @@ TEST(Turntable, AKnownStepIsKept) {
   const TurntableFit found = fit_turntable(5, pairs_of(truth, 1, 3));
   EXPECT_NEAR(*found.table.step, 20 * degree, 0.05 * degree);
   EXPECT_LT(angle_between(found.table.direction, -truth.direction), 0.1 * degree);
+}
+
+// The information leaves the whole motion open but the turns.
+TEST(Turntable, HasNoSigmaOfWhatTheViewsLeaveOpen) {
+  Turntable truth = tilted_table(steps_of(4, 0.3));
+  truth.step = 0.3;
+  const std::vector<PairPose> pairs = pairs_of(truth, 1, 3);
+  const auto of_turns = [&](std::size_t k, const Eigen::Isometry3d&) {
+    PairEquations equations{.centre = pairs[k].centre};
+    equations.squares.diagonal().head<3>() = pairs[k].information.diagonal().head<3>();
+    equations.information = equations.squares;
+    return equations;
+  };
+  EXPECT_TRUE(std::isinf(refined_turntable(truth, pairs, of_turns, 1).point_sigma));
 }
 
 TEST(Turntable, StepsMayDiffer) {

@@ -17,6 +17,7 @@ namespace slipstream {
 namespace {
 
 constexpr std::size_t fewest_matches = 200;
+constexpr std::size_t sparse = 8;  // every so many samples are enough to come near a pose
 
 /// Distance up to which surfaces count as compared, mm.
 float compared_distance(const PreparedView& first, const PreparedView& second) {
@@ -192,11 +193,16 @@ PairAlignment fitted(const PreparedView& first, const PreparedView& second,
                      const Eigen::Isometry3d& start, std::size_t step, int rounds) {
   const float spacing = std::max(first.view().spacing, second.view().spacing);
   const float cell = first.keypoints().cell;
-
   const float nearest = std::min(3 * spacing, cell);
+  const SurfaceSamples one = fine_surface(first), other = fine_surface(second);
   PairAlignment alignment;
-  alignment.pose =
-      settled_pose(fine_surface(first), fine_surface(second), start, cell, nearest, rounds, step);
+
+  // Comes near the pose with a part of the points, and settles with all that are asked for.
+  alignment.pose = settled_pose(one, other, start, cell, nearest, rounds, std::max(step, sparse));
+  if (step < sparse) {
+    alignment.pose = settled_pose(one, other, alignment.pose, nearest, nearest, rounds, step);
+  }
+
   describe_fit(first, second, step, alignment);
   return alignment;
 }
@@ -214,7 +220,6 @@ Eigen::Isometry3d roughly_settled(const PreparedView& first, const PreparedView&
 /// Refines a pose with a part of the points; adds it if it is distinct from the others.
 void add_fit(const PreparedView& first, const PreparedView& second, const Eigen::Isometry3d& start,
              std::vector<PairAlignment>& fits) {
-  constexpr std::size_t step = 8;
   constexpr int rounds = 8;
   constexpr double distinct = 3;          // cells
   constexpr double least_to_go_on = 0.2;  // of the best overlap so far
@@ -232,7 +237,7 @@ void add_fit(const PreparedView& first, const PreparedView& second, const Eigen:
   for (const PairAlignment& other : fits) best = std::max(best, other.overlap);
   if (overlap_at(first, second, rough) < least_to_go_on * best) return;
 
-  const PairAlignment fit = fitted(first, second, rough, step, rounds);
+  const PairAlignment fit = fitted(first, second, rough, sparse, rounds);
   if (!is_known(fit.pose)) fits.push_back(fit);
 }
 

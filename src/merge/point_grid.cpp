@@ -85,6 +85,37 @@ PointGrid::PointGrid(std::span<const Eigen::Vector3f> points, float cell)
     while (slots_[slot].range.end != 0) slot = (slot + 1) & (slots_.size() - 1);
     slots_[slot] = {key, {firsts_[i], firsts_[i + 1]}};
   }
+
+  mark_blocks();
+}
+
+void PointGrid::mark_blocks() {
+  constexpr float cells = 4;          // along a block, at least
+  constexpr float most_blocks = 100;  // along the longest axis
+
+  Eigen::Array3f extent = Eigen::Array3f::Zero();
+  for (const Eigen::Vector3f& point : points_) extent = extent.max((point - origin_).array());
+  block_ = std::max(cells * cell_, extent.maxCoeff() / most_blocks);
+  blocks_ = (extent / block_).floor().cast<int>() + 3;
+  near_points_.assign(static_cast<std::size_t>(blocks_.prod()), false);
+
+  Eigen::Array3i marked = Eigen::Array3i::Zero();
+  for (const Eigen::Vector3f& point : points_) {
+    const Eigen::Array3i block = block_of(point).cast<int>();
+    if ((block == marked).all()) continue;  // as of most points before, which are sorted by cell
+    marked = block;
+
+    for (int k = 0; k < 27; ++k) {
+      const Eigen::Array3i beside(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1);
+      near_points_[number_of(block + beside)] = true;
+    }
+  }
+}
+
+bool PointGrid::is_near_points(const Eigen::Vector3f& place) const {
+  const Eigen::Array3f block = block_of(place);
+  if (!(block >= 0).all() || !(block < blocks_.cast<float>()).all()) return false;
+  return near_points_[number_of(block.cast<int>())];
 }
 
 void PointGrid::for_each_cell(const VisitCell& visit) const {
@@ -121,6 +152,8 @@ PointGrid::Range PointGrid::range_of(std::uint64_t key) const {
 }
 
 std::optional<std::uint32_t> PointGrid::nearest(const Eigen::Vector3f& place, float radius) const {
+  if (radius <= block_ && !is_near_points(place)) return std::nullopt;
+
   // Most have one very near, which takes few cells to find.
   const float first_radius = std::min(radius, cell_ / 4);
   for (const float reach : {first_radius, radius}) {

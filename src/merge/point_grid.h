@@ -88,10 +88,22 @@ class PointGrid {
     std::uint32_t first = 0, end = 0;
   };
 
+  /// Column, row and layer of a place's block, possibly outside all of them.
+  [[nodiscard]] Eigen::Array3f block_of(const Eigen::Vector3f& place) const {
+    return ((place - origin_).array() / block_).floor() + 1;
+  }
+  [[nodiscard]] std::size_t number_of(const Eigen::Array3i& block) const {
+    return static_cast<std::size_t>((block.x() * blocks_.y() + block.y()) * blocks_.z() +
+                                    block.z());
+  }
   [[nodiscard]] Eigen::Vector3i cell_of(const Eigen::Vector3f& place) const {
     return ((place - origin_) / cell_).array().floor().cast<int>();
   }
   [[nodiscard]] Range range_of(std::uint64_t key) const;
+
+  void mark_blocks();
+  /// False if no point is within the edge of a block from a place.
+  [[nodiscard]] bool is_near_points(const Eigen::Vector3f& place) const;
 
   struct Slot {
     std::uint64_t key = 0;
@@ -104,6 +116,11 @@ class PointGrid {
   std::vector<std::uint32_t> indices_{};   ///< of the sorted points, as given
   std::vector<std::uint32_t> firsts_{};    ///< of each cell's points, and the end of the last
   std::vector<Slot> slots_{};              ///< hash table of the cells; its size is a power of 2
+
+  // Coarse blocks of all points and one more on each side: whether points are in it or beside it.
+  float block_ = 1;  ///< edge, mm
+  Eigen::Array3i blocks_ = Eigen::Array3i::Zero();
+  std::vector<bool> near_points_{};
 };
 
 /// One point for each cubic cell of that edge: the index of the point nearest to the mean of the

@@ -53,6 +53,8 @@ PreparedView::PreparedView(View view, float cell)
       seen_(view_) {
   constexpr std::size_t sampled = 10'000;
 
+  smooth();
+
   // Thinned by cells first, since near surface has more points than far surface.
   const double wanted = std::sqrt(area_of(view_) / static_cast<double>(sampled));
   const auto spacing = std::max(static_cast<float>(wanted), view_.spacing);
@@ -75,6 +77,31 @@ PreparedView::PreparedView(View view, float cell)
   weakest_slope_ = weakest.slope;
 
   find_symmetries(slid_along(weakest.motion, centre, extent, cell));
+}
+
+void PreparedView::smooth() {
+  constexpr float noisy = 0.2F, reach = 1.5F;  // spacings
+
+  const auto is_noisy = [&](float sigma) { return sigma >= noisy * view_.spacing; };
+  if (std::ranges::none_of(view_.sigma, is_noisy)) return;
+  smooth_points_ = view_.points;
+  smooth_sigma_ = view_.sigma;
+
+  grid_.for_each_cell([&](std::span<const std::uint32_t> inside, const NearPoints& near) {
+    for (const std::uint32_t i : inside) {
+      if (!is_noisy(view_.sigma[i])) continue;
+
+      Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+      float count = 0;
+      near.for_each_near(view_.points[i], reach * view_.spacing,
+                         [&](std::size_t k, const Eigen::Vector3f&) {
+                           sum += view_.points[near.indices[k]];
+                           ++count;
+                         });
+      smooth_points_[i] = sum / count;
+      smooth_sigma_[i] = view_.sigma[i] / std::sqrt(count);
+    }
+  });
 }
 
 void PreparedView::find_symmetries(std::vector<Eigen::Isometry3d> starts) {

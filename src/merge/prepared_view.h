@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -20,6 +21,15 @@ class PreparedView {
 
   [[nodiscard]] const View& view() const { return view_; }
   [[nodiscard]] const PointGrid& grid() const { return grid_; }
+  /// The surface at each point: where points are dense and noisy, the mean of those around it.
+  /// Elsewhere, where the curvature between them would matter more than the noise, the point.
+  [[nodiscard]] std::span<const Eigen::Vector3f> smooth_points() const {
+    return smooth_points_.empty() ? view_.points : smooth_points_;
+  }
+  /// The standard deviations of these along the normal, mm.
+  [[nodiscard]] std::span<const float> smooth_sigma() const {
+    return smooth_points_.empty() ? view_.sigma : smooth_sigma_;
+  }
   [[nodiscard]] const Keypoints& keypoints() const { return keypoints_; }
   [[nodiscard]] const PointGrid& keypoint_grid() const { return keypoint_grid_; }
   [[nodiscard]] const SeenSurface& seen() const { return seen_; }
@@ -34,10 +44,13 @@ class PreparedView {
   [[nodiscard]] double reach() const { return reach_; }  ///< of the points from the middle, mm
 
  private:
+  void smooth();
   void find_symmetries(std::vector<Eigen::Isometry3d> starts);
 
   View view_;
   PointGrid grid_;
+  std::vector<Eigen::Vector3f> smooth_points_{};  ///< empty if no point needs the mean
+  std::vector<float> smooth_sigma_{};
   Keypoints keypoints_;
   PointGrid keypoint_grid_;
   SeenSurface seen_;

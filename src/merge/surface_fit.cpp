@@ -13,38 +13,14 @@
 namespace slipstream {
 namespace {
 
-/// A place on a surface and its standard deviation along the normal.
-struct SurfacePlace {
-  Eigen::Vector3f place = Eigen::Vector3f::Zero();
-  float sigma = 0;
-};
-
-/// The surface at a point: where points are dense and noisy, the mean of those around it. Elsewhere
-/// the curvature between them would matter more than the noise.
-SurfacePlace surface_at(const SurfaceSamples& surface, std::uint32_t index) {
-  constexpr float noisy = 0.2F, reach = 1.5F;  // spacings
-
-  SurfacePlace at{surface.points[index], surface.level_sigma};
-  if (surface.sigma.empty()) return at;
-  at.sigma = surface.sigma[index];
-  if (at.sigma < noisy * surface.spacing) return at;
-
-  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-  float count = 0;
-  surface.grid->for_each_near(at.place, reach * surface.spacing, [&](std::uint32_t i, float) {
-    sum += surface.points[i];
-    ++count;
-  });
-  return {sum / count, at.sigma / std::sqrt(count)};
-}
-
 /// The matches of samples of `from` on `to`; `back`: `from` is the first view's surface, so
 /// that the matches are turned round.
 std::vector<SurfaceMatch> matches_on(const SurfaceSamples& from, const SurfaceSamples& to,
                                      const Eigen::Isometry3d& pose, float farthest,
                                      std::size_t step, bool back) {
-  const auto sigma_of = [](const SurfaceSamples& surface, std::uint32_t i) {
-    return surface.sigma.empty() ? surface.level_sigma : surface.sigma[i];
+  const auto sigma_of = [](const SurfaceSamples& surface, std::span<const float> sigma,
+                           std::uint32_t i) {
+    return sigma.empty() ? surface.level_sigma : sigma[i];
   };
   const std::size_t count = from.sample.empty() ? from.points.size() : from.sample.size();
   const Eigen::Isometry3f motion = pose.cast<float>();
@@ -60,18 +36,19 @@ std::vector<SurfaceMatch> matches_on(const SurfaceSamples& from, const SurfaceSa
     const auto partner = partner_of(point, normal, to, farthest);
     if (!partner) return;
 
-    const SurfacePlace target = surface_at(to, *partner);
+    const Eigen::Vector3d target = to.smooth_points[*partner].cast<double>();
     SurfaceMatch match{.place = point.cast<double>(),
                        .first_normal = to.normals[*partner].cast<double>(),
                        .second_normal = normal.cast<double>(),
-                       .sigma = std::hypot(sigma_of(from, i), target.sigma)};
-    const Eigen::Vector3d apart = target.place.cast<double>() - match.place;
+                       .sigma = std::hypot(sigma_of(from, from.sigma, i),
+                                           sigma_of(to, to.smooth_sigma, *partner))};
+    const Eigen::Vector3d apart = target - match.place;
     match.distance = match.direction().dot(apart);
 
     if (back) {
       // All in the frame of the first view, which is `from` here.
       const Eigen::Isometry3d home = pose.inverse();
-      match.place = home * target.place.cast<double>();
+      match.place = home * target;
       match.first_normal = from.normals[i].cast<double>();
       match.second_normal = home.linear() * to.normals[*partner].cast<double>();
       match.distance = -match.distance;
@@ -107,6 +84,7 @@ SurfaceSamples coarse_surface(const PreparedView& view) {
   const Keypoints& keypoints = view.keypoints();
   return {.points = keypoints.points,
           .normals = keypoints.normals,
+          .smooth_points = keypoints.points,
           .grid = &view.keypoint_grid(),
           .spacing = keypoints.cell,
           .level_sigma = 0.1F * keypoints.cell};
@@ -116,6 +94,8 @@ SurfaceSamples fine_surface(const PreparedView& view) {
   return {.points = view.view().points,
           .normals = view.view().normals,
           .sigma = view.view().sigma,
+          .smooth_points = view.smooth_points(),
+          .smooth_sigma = view.smooth_sigma(),
           .sample = view.sample(),
           .grid = &view.grid(),
           .spacing = view.view().spacing};
@@ -257,7 +237,7 @@ Eigen::Isometry3d settled_pose(const SurfaceSamples& first, const SurfaceSamples
                                Eigen::Isometry3d pose, float farthest, float nearest, int rounds,
                                std::size_t step) {
   constexpr std::size_t fewest = 30;
-  constexpr double settled = 1e-4;  // spacings
+  constexpr double settled = 0.2;  // standard deviations of the pose by the matches' noise
 
   for (int round = 0; round < rounds; ++round) {
     const auto matches = match_surfaces(first, second, pose, farthest, step);
@@ -267,14 +247,16 @@ Eigen::Isometry3d settled_pose(const SurfaceSamples& first, const SurfaceSamples
     const SurfaceEquations equations = equations_of(matches, centre);
 
     const Vector6 units = units_of(extent_of(matches, centre));
-    const Vector6 move = known_step(units.asDiagonal() * equations.squares * units.asDiagonal(),
-                                    units.asDiagonal() * equations.right);
+    const Vector6 right = units.asDiagonal() * equations.right;
+    const Vector6 move =
+        known_step(units.asDiagonal() * equations.squares * units.asDiagonal(), right);
 
     pose = motion_about(centre, units.asDiagonal() * move) * pose;
     pose.linear() = Eigen::Quaterniond(pose.linear()).normalized().matrix();
 
-    // Narrow the search; stop once the pose no longer changes at the narrowest.
-    if (farthest == nearest && move.norm() < settled * first.spacing) break;
+    // Narrow the search; stop at the narrowest once a move is small beside the noise. Below it,
+    // points that change their partners may move the pose to and fro for ever.
+    if (farthest == nearest && move.dot(right) < settled * settled) break;
     farthest = std::max(nearest, 0.7F * farthest);
   }
 

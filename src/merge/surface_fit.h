@@ -18,7 +18,10 @@ namespace slipstream {
 /// A view's surface at one resolution; borrows it.
 struct SurfaceSamples {
   std::span<const Eigen::Vector3f> points{}, normals{};
-  std::span<const float> sigma{};           ///< empty: `level_sigma` for all
+  std::span<const float> sigma{};  ///< empty: `level_sigma` for all
+  /// Places that points of the other surface are compared with: PreparedView::smooth_points.
+  std::span<const Eigen::Vector3f> smooth_points{};
+  std::span<const float> smooth_sigma{};    ///< empty: `level_sigma` for all
   std::span<const std::uint32_t> sample{};  ///< indices of the points to compare; empty: all
   const PointGrid* grid = nullptr;
   float spacing = 0, level_sigma = 0;  ///< mm

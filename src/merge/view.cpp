@@ -187,6 +187,12 @@ bool is_seen_from_origin(std::span<const Eigen::Vector3f> points, float spacing)
 /// The points of these indices; their normals may be missing.
 View kept_of(const View& view, const std::vector<std::uint32_t>& kept) {
   View few{.name = view.name, .spacing = view.spacing, .from_origin = view.from_origin};
+  few.points.reserve(kept.size());
+  few.normals.reserve(view.normals.empty() ? 0 : kept.size());
+  few.sigma.reserve(kept.size());
+  few.intensity.reserve(kept.size());
+  few.colours.reserve(view.colours.empty() ? 0 : kept.size());
+
   for (const std::uint32_t i : kept) {
     few.points.push_back(view.points[i]);
     if (!view.normals.empty()) few.normals.push_back(view.normals[i]);

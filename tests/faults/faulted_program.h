@@ -49,8 +49,11 @@ class FaultedProgram {
                  .c_str(),
              1);
     ::setenv("SLIPSTREAM_FAULTS_FROM", folder_.path().c_str(), 1);
+    // Counts of ./dev coverage that a fault cuts off would spoil those of all other programs.
+    ::setenv("GCOV_PREFIX", "/dev/null", 1);
     program_.emplace(arguments);
     ::unsetenv("LD_PRELOAD");
+    ::unsetenv("GCOV_PREFIX");
     requests_ = ::open((folder_.path() / "requests").c_str(), O_WRONLY | O_CLOEXEC);
     answers_ = ::open((folder_.path() / "answers").c_str(), O_RDONLY | O_CLOEXEC);
   }

@@ -176,6 +176,9 @@ void require_possible(const ReconstructFlags& flags, const LoadedScan& loaded, b
 
   throw_if(!flags.files.reflection.empty() && !rejects_reflection(job.setup.settings.clean),
            "--reflection-map needs --reflection or --local-reflection");
+
+  throw_if(job.setup.settings.correct_contrast && loaded.scan.output == ScanOutput::maps,
+           "--correct-contrast moves points, which need a scanner");
 }
 
 void reconstruct_scan(LoadedScan& loaded, const ReconstructFlags& flags, Reused& reused) {
@@ -220,6 +223,8 @@ void reconstruct_map_file(LoadedScan& loaded, const ReconstructFlags& flags) {
   const std::size_t printed = loaded.job.checked.findings.size();
   throw_if(rejects_reflection(loaded.job.setup.settings.clean),
            "--reflection and --local-reflection need frames, not a map");
+  throw_if(loaded.job.setup.settings.correct_contrast && !flags.modulation,
+           "with --from, --correct-contrast needs --from-modulation");
 
   scan.result =
       reconstruct_map(loaded.coordinates, loaded.job.setup, loaded.modulation, loaded.job.checked);

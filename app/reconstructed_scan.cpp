@@ -230,13 +230,13 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
   nlohmann::json document = described(
       "scan", scan.name.path, "window", scan.name.window, "points", points, "pixels",
       result.cloud.validity.pixel_count(), "counts", result.counts, "backend", result.backend,
-      "least_modulation", result.least_modulation, "gamma", json_of(result.gamma), "baseline_mm",
-      result.setup.scanner.translation.norm(), "median_depth_mm", scan.median_depth, "files",
-      scan.files.named(), "median_sigma_z_mm", scan.median_sigma, "rms_mm", scan.rms,
-      "predicted_mm", prediction(&PredictedRms::with_edges), "predicted_from_noise_mm",
-      prediction(&PredictedRms::of_noise), "epipolar", result.epipolar, "guard", result.guard,
-      "warnings", scan.warnings, "findings", result.checked.findings, "repairs",
-      result.checked.repairs, "seconds", seconds);
+      "least_modulation", result.least_modulation, "corrected_for_contrast", result.pulled_pixels,
+      "gamma", json_of(result.gamma), "baseline_mm", result.setup.scanner.translation.norm(),
+      "median_depth_mm", scan.median_depth, "files", scan.files.named(), "median_sigma_z_mm",
+      scan.median_sigma, "rms_mm", scan.rms, "predicted_mm", prediction(&PredictedRms::with_edges),
+      "predicted_from_noise_mm", prediction(&PredictedRms::of_noise), "epipolar", result.epipolar,
+      "guard", result.guard, "warnings", scan.warnings, "findings", result.checked.findings,
+      "repairs", result.checked.repairs, "seconds", seconds);
 
   if (result.budget) document["budget"] = json_of(*result.budget);
   if (result.fused) {
@@ -294,6 +294,10 @@ void tell(const ReconstructedScan& scan, Output& output) {
     output.say("  baseline {:.4g} mm, median depth of the {} {:.4g} mm",
                result.setup.scanner.translation.norm(),
                result.counts[0] > 0 ? "points" : "pixels checked", depth);
+  }
+
+  if (result.pulled_pixels) {
+    output.say("  corrected for contrast: {} pixels", *result.pulled_pixels);
   }
 
   // Errors: true, epipolar and predicted.

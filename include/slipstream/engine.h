@@ -71,6 +71,11 @@ struct ReconstructSettings {
   std::optional<double> nearest{};   ///< mm, least depth; nullopt: see depth_range
   std::optional<double> farthest{};  ///< mm, largest depth; nullopt: see depth_range
 
+  /// Whether points of clouds are moved to where they would lie without the camera's blur, which
+  /// pulls coordinates towards the brighter side where reflectivity changes. Needs the whole
+  /// picture, and phases: codes alone have none.
+  bool correct_contrast = false;
+
   /// Which points of a finished cloud are removed.
   CleanSettings clean{};
 
@@ -112,6 +117,11 @@ struct ReconstructSettings {
     visit(
         {"farthest", "farthest", "largest depth, mm; default: twice the farthest calibrated depth"},
         self.farthest);
+    visit({.name = "correct_contrast",
+           .option = "correct-contrast",
+           .help = "move points back to where they lie without the camera's blur, which pulls them "
+                   "at edges of print"},
+          self.correct_contrast);
   }
 
   friend bool operator==(const ReconstructSettings&, const ReconstructSettings&) = default;
@@ -182,8 +192,8 @@ class Engine {
   /// Computes the requested outputs with the chosen engine or, failing that, the next in this
   /// order: GPU, fused pass, reference engine. In windows longer than a cycle, rejects pixels whose
   /// frames differ by more than noise and uniform motion explain; of clouds, if set, points that
-  /// other surfaces light; then cleans the cloud. Returns how many points cleaning removed, by
-  /// reason. Throws Error for a wrong size or frame count.
+  /// other surfaces light, and moves those that contrast pulled; then cleans the cloud. Returns how
+  /// many points cleaning removed, by reason. Throws Error for a wrong size or frame count.
   ValidityCounts run(const FrameViews& frames, const Outputs& outputs);
 
   ValidityCounts cloud(const FrameViews& frames, Cloud& cloud) {

@@ -79,6 +79,9 @@ struct BasicMaps {
   /// If points lit by other surfaces are rejected: the error of the coordinate that such light may
   /// cause, in standard deviations by noise; NaN without a point. Otherwise empty.
   Image<Real> reflection{};
+  /// If contrast is corrected: the pull that was taken from each coordinate, fields; 0 at most
+  /// pixels. Otherwise empty.
+  Image<Real> contrast{};
 };
 
 /// For display and writing.

@@ -116,8 +116,10 @@ struct ErrorBudget {
 struct ScanResult {
   Cloud cloud{};            ///< with ScanOutput::maps only the validity of its pixels
   ValidityCounts counts{};  ///< pixels by validity; first the points
-  /// If wanted, or needed for the rest: with two cameras, both axes or uncertainty.
+  /// If wanted, or needed for the rest: with two cameras, both axes,
+  /// uncertainty or correction of contrast.
   Maps maps{};
+  std::optional<std::ptrdiff_t> pulled_pixels{};  ///< by contrast; nullopt if not corrected
   std::optional<Uncertainty> uncertainty{};
   std::optional<ErrorBudget> budget{};      ///< with the uncertainty, of one camera
   std::optional<EpipolarCheck> epipolar{};  ///< with patterns along both axes

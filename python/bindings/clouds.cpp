@@ -433,6 +433,9 @@ void bind_maps(py::module_& module) {
                              "NDArray[float32] | None: 0 to 1 across the field.");
   maps.def_property_readonly("motion", image(&Maps::motion),
                              "NDArray[float32] | None: rad from frame to frame.");
+  maps.def_property_readonly(
+      "contrast", image(&Maps::contrast),
+      "NDArray[float32] | None: what correct_contrast took from coordinate.");
 }
 
 }  // namespace

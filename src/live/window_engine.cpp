@@ -165,7 +165,7 @@ WindowEngine::WindowEngine(const EngineSetup& setup, const LiveSettings& setting
     return;
   }
   if (paired) {
-    throw_if(rejects_reflection(setup.settings.clean), no_reflection_of_pairs);
+    require_matchable(setup.settings);
     match.emplace(setup.scanner, *settings.second_camera, setup.sequence, setup.settings);
     return;
   }

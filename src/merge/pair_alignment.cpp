@@ -17,7 +17,7 @@ namespace slipstream {
 namespace {
 
 constexpr std::size_t fewest_matches = 200;
-constexpr std::size_t sparse = 8;  // every so many samples are enough to come near a pose
+constexpr std::size_t sparse = 8;  // one sample of these many is enough to come near a pose
 
 /// Distance up to which surfaces count as compared, mm.
 float compared_distance(const PreparedView& first, const PreparedView& second) {
@@ -197,7 +197,7 @@ PairAlignment fitted(const PreparedView& first, const PreparedView& second,
   const SurfaceSamples one = fine_surface(first), other = fine_surface(second);
   PairAlignment alignment;
 
-  // Comes near the pose with a part of the points, and settles with all that are asked for.
+  // Comes near the pose with a part of the points, and settles with all of the step.
   alignment.pose = settled_pose(one, other, start, cell, nearest, rounds, std::max(step, sparse));
   if (step < sparse) {
     alignment.pose = settled_pose(one, other, alignment.pose, nearest, nearest, rounds, step);

@@ -5,9 +5,11 @@
 
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"
+#include "reconstruct/contrast.h"
 #include "reconstruct/points.h"
 
 namespace slipstream {
+
 Cloud cloud_of_coordinates(Image<double> coordinates, const EngineSetup& setup,
                            const Image<float>& modulation) {
   // 1. Check that the sizes match.
@@ -15,6 +17,8 @@ Cloud cloud_of_coordinates(Image<double> coordinates, const EngineSetup& setup,
   const Size camera = setup.scanner.camera.size;
   throw_if(coordinates.size() != camera, "the map is {}, the scanner's camera has {}",
            text_of(coordinates.size()), text_of(camera));
+  throw_if(setup.settings.correct_contrast && modulation.empty(),
+           "`correct_contrast` needs the map's modulation");
   throw_if(!modulation.empty() && modulation.size() != camera,
            "the modulation is {}, the scanner's camera has {}", text_of(modulation.size()),
            text_of(camera));
@@ -29,10 +33,16 @@ Cloud cloud_of_coordinates(Image<double> coordinates, const EngineSetup& setup,
     return std::isfinite(y) ? Validity::valid : Validity::too_dark;
   });
 
-  // 3. Triangulate and clean. A map has no grey levels, so all points are equally bright.
+  // 3. Triangulate, correct and clean. A map has no grey levels, so all points are equally bright.
   const Triangulator triangulate(setup.scanner, setup.sequence.axis, PointMethod::form3);
   Cloud cloud;
   convert(triangulated(coordinates, std::move(validity), triangulate, setup), cloud);
+  if (setup.settings.correct_contrast) {
+    Maps maps;
+    maps.modulation = modulation;
+    maps.coordinate = converted<float>(coordinates);
+    correct_contrast(setup, cloud, maps);
+  }
 
   std::ranges::fill(cloud.intensity, 255.F);
   Cleaner(setup.settings.clean)(cloud, modulation.empty() ? nullptr : &modulation);

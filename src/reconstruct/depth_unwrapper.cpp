@@ -13,27 +13,20 @@
 #include "decode/band_unwrapper.h"
 #include "geometry/stripe_geometry.h"
 #include "reconstruct/engine_setup.h"
+#include "reconstruct/points.h"
 #include "slipstream/unwrapping.h"
 
 namespace slipstream {
 namespace {
 
-/// Projector coordinate of the point at this depth on a ray; NaN behind the projector.
-double coordinate_at(const EngineSetup& setup, const Eigen::Vector3d& ray, double depth) {
-  const Eigen::Vector3d point = in_projector_frame(setup.scanner, depth * ray);
-  if (!(point.z() > 0)) return nan;
-  const Lens& projector = setup.scanner.projector;
-  return coordinate_along(setup.sequence.axis, project(projector, point), projector.size);
-}
-
 /// Depth up to which a range from `nearest` spans this share of the field.
 double farthest_within(const EngineSetup& setup, const Eigen::Vector3d& ray, double share) {
   // Bisection: 50 halvings reach the rounding of a double.
   double near = *setup.settings.nearest, far = *setup.settings.farthest;
-  const double start = coordinate_at(setup, ray, near);
+  const double start = coordinate_of(near * ray, setup);
   for (int i = 0; i < 50; ++i) {
     const double middle = (near + far) / 2;
-    (std::abs(coordinate_at(setup, ray, middle) - start) < share ? near : far) = middle;
+    (std::abs(coordinate_of(middle * ray, setup) - start) < share ? near : far) = middle;
   }
 
   return near;
@@ -47,7 +40,7 @@ void require_narrow(const EngineSetup& setup, double periods) {
   const Eigen::Vector3d ray =
       ray_through(setup.scanner.camera, {(size.width - 1) / 2.0, (size.height - 1) / 2.0});
   const double covered =
-      std::abs(coordinate_at(setup, ray, farthest) - coordinate_at(setup, ray, nearest));
+      std::abs(coordinate_of(farthest * ray, setup) - coordinate_of(nearest * ray, setup));
 
   throw_if(!std::isfinite(covered),
            "nearest depth {} mm is behind the projector; choose a larger one", nearest);
@@ -79,8 +72,8 @@ DepthUnwrapper::DepthUnwrapper(const EngineSetup& setup)
   for_each_pixel(bounds_.size(), [&](int column, int row) {
     const Eigen::Vector3d ray = ray_through(setup.scanner.camera, {column, row});
 
-    const double near = coordinate_at(setup, ray, *setup.settings.nearest);
-    const double far = coordinate_at(setup, ray, *setup.settings.farthest);
+    const double near = coordinate_of(*setup.settings.nearest * ray, setup);
+    const double far = coordinate_of(*setup.settings.farthest * ray, setup);
     const bool known = std::isfinite(near) && std::isfinite(far);
 
     const double least = std::max(std::min(near, far), -end),

@@ -15,6 +15,7 @@
 #include "decode/frame_adapter.h"
 #include "decode/frame_motion.h"
 #include "decode/phase_decoder.h"
+#include "reconstruct/contrast.h"
 #include "reconstruct/depth_unwrapper.h"
 #include "reconstruct/engine_setup.h"
 #include "reconstruct/fused/fused_engine.h"
@@ -114,6 +115,7 @@ struct Engine::Tables {
              "{}: these patterns do not show light from other surfaces; those with a "
              "finest band of 4 to 16 times the coarsest one's periods do, such as dual-frequency",
              complete.sequence.strategy.name());
+    if (of.settings.correct_contrast) require_contrast_correctable(of);
 
     // 2. The fused pass, unless the reference or the caller's own engine was chosen.
     const ReconstructSettings& settings = setup.settings;
@@ -264,16 +266,21 @@ ValidityCounts Engine::run(const FrameViews& captured, const Outputs& outputs) {
 
   // Cleaning may need maps or the modulation where they were not requested.
   const bool without_maps = outputs.cloud != nullptr && outputs.maps == nullptr;
-  if (without_maps && rejects_reflection(setup().settings.clean)) {
+  const ReconstructSettings& settings = setup().settings;
+  if (without_maps && (rejects_reflection(settings.clean) || settings.correct_contrast)) {
     made.maps = &memory.maps;
   } else if (without_maps && memory.clean.wants_modulation()) {
     made.modulation = &memory.modulation;
   }
 
-  // 2. Compute, and correct for motion and exposure.
+  // 2. Compute, and correct for motion, contrast and exposure.
+  if (made.maps != nullptr) made.maps->contrast = {};  // of an earlier use
   compute(frames, made, nullptr);
   reject_moved(frames, made);
-  if (outputs.cloud != nullptr) reject_reflected(frames, made);
+  if (outputs.cloud != nullptr) {
+    reject_reflected(frames, made);
+    if (settings.correct_contrast) correct_contrast(tables_->complete, *made.cloud, *made.maps);
+  }
 
   if (made.cloud == nullptr) return {};
   made.cloud->frame.reset();  // of an earlier use

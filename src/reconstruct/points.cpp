@@ -44,14 +44,7 @@ bool is_lit(const Lens& lens, const Eigen::Vector3d& point, const Eigen::Vector2
 /// relative change of z. Needs only the forward projection of the projector's lens.
 double change_along_ray(const Eigen::Vector3d& point, const EngineSetup& setup) {
   constexpr double step = 1e-6;  // small enough that y is linear in the distance
-  const auto& [scanner, sequence, settings] = setup;
-
-  const auto y = [&](double distance) {
-    const Eigen::Vector2d pixel =
-        project(scanner.projector, in_projector_frame(scanner, distance * point));
-    return coordinate_along(sequence.axis, pixel, scanner.projector.size);
-  };
-
+  const auto y = [&](double distance) { return coordinate_of(distance * point, setup); };
   return std::abs(y(1 + step) - y(1 - step)) / (2 * step);
 }
 
@@ -134,6 +127,13 @@ class RandomError {
 };
 
 }  // namespace
+
+double coordinate_of(const Eigen::Vector3d& point, const EngineSetup& setup) {
+  const Lens& projector = setup.scanner.projector;
+  const Eigen::Vector3d there = in_projector_frame(setup.scanner, point);
+  if (!(there.z() > 0)) return nan;
+  return coordinate_along(setup.sequence.axis, project(projector, there), projector.size);
+}
 
 Validity validity_of(double coordinate, const Eigen::Vector3d& point, const EngineSetup& setup) {
   // 1. In front of both devices.

@@ -10,6 +10,9 @@ namespace slipstream {
 Image<Validity> judged(const BasicMaps<double>& maps, const Image<Validity>& order,
                        const FrameViews& frames, const EngineSetup& setup);
 
+/// Projector coordinate of a point in the camera's frame, mm; NaN behind the projector.
+double coordinate_of(const Eigen::Vector3d& point, const EngineSetup& setup);
+
 /// Why a point at this projector coordinate is rejected, or `valid`: behind the camera or the
 /// projector, outside the projector's field or outside the depth range. `point`: camera's frame,
 /// mm.

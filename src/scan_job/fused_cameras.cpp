@@ -255,6 +255,15 @@ std::vector<ScanResult> points_by_each_other(const CheckedJob& job, const ScanRe
   return cameras;
 }
 
+void require_matchable(const ReconstructSettings& settings) {
+  throw_if(rejects_reflection(settings.clean),
+           "`reflection` and `local_reflection` need one camera, or cameras that are fused and "
+           "patterns of several frequencies");
+  throw_if(settings.correct_contrast,
+           "`correct_contrast` needs one camera, or cameras that are fused and patterns that give "
+           "the fringe order");
+}
+
 FusedModel fused_cameras(std::span<const ScanResult> cameras, std::vector<Finding>* findings) {
   constexpr std::size_t fewest = 100;  // points of a view
 

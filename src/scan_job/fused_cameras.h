@@ -10,11 +10,6 @@
 // Several cameras around one projector: their points as one cloud.
 namespace slipstream {
 
-/// Message about a setting that matched cameras lack.
-inline constexpr const char* no_reflection_of_pairs =
-    "`reflection` and `local_reflection` need one camera, or cameras that are fused and patterns "
-    "of several frequencies";
-
 /// checked_job of one camera, or of cameras that are matched.
 CheckedJob checked_camera(Scan scan, const ScanJobSettings& settings, const std::string& name);
 
@@ -25,6 +20,9 @@ std::vector<Scan> scans_of_cameras(Scan scan);
 /// and an outline, which is in the first camera's picture, does not apply.
 ReconstructSettings settings_for(const Scanner& camera, const Scanner& first,
                                  ReconstructSettings settings);
+
+/// Throws Error for settings that matched cameras lack.
+void require_matchable(const ReconstructSettings& settings);
 
 /// The points that each of two cameras measures with the projector where the frames of one leave
 /// the fringe order open: each camera resolves the other's, see PhaseMatcher. `matched`: the job's

@@ -258,7 +258,7 @@ void ScanJob::match_cameras(const CheckedJob& job, ScanResult& result) {
   const EngineSetup& setup = job.setup;
   throw_if(scan.further_cameras.size() > 1, "two cameras can be matched, not {}",
            1 + scan.further_cameras.size());
-  throw_if(rejects_reflection(setup.settings.clean), no_reflection_of_pairs);
+  require_matchable(setup.settings);
 
   // 1. Without a calibrated projector, places with equal coordinates match.
   if (!scan.scanner) {
@@ -306,10 +306,14 @@ void ScanJob::compute(const CheckedJob& job, ScanResult& result) {
     result.epipolar =
         check_epipolar(engine.setup(), scan.other_axis.front(), result.maps, result.cloud);
   } else if (settings_.maps || settings_.uncertainty || job.fuses || settings_.sure_coordinates ||
-             !scan.guard.empty()) {
+             !scan.guard.empty() || engine.setup().settings.correct_contrast) {
     engine.cloud_and_maps(scan.frames, result.cloud, result.maps);
   } else {
     engine.cloud(scan.frames, result.cloud);
+  }
+
+  if (const Image<float>& pull = result.maps.contrast; !pull.empty()) {
+    result.pulled_pixels = std::ranges::count_if(pull, [](float taken) { return taken != 0; });
   }
 
   result.backend = engine.backend_for(scan.frames);

@@ -313,6 +313,41 @@ TEST_P(MapProgramMistakenMaps, LeaveOutPixelsThatShareAValue) {
   EXPECT_GT(scan["counts"]["too dark"], 500);
 }
 
+TEST_P(MapProgramMistakenMaps, AreCorrectedForContrastByTheirModulation) {
+  const ProgramRun taken =
+      run_program({"simulate", path("poses"), "--boards", "1", "--spacing", "15", "--camera",
+                   "320x240", "--strategy", "dual-frequency", "--high", "64", "--steps", "8"});
+  ASSERT_EQ(taken.exit_code, 0) << taken.err;
+  const std::string pose = path("poses/board01/x");
+
+  // 1. From frames: how many pixels is said.
+  const ProgramRun plain =
+      run_program({"reconstruct", pose, "--raw", "--depth", path("plain.tiff"), "--coordinate",
+                   path("coordinate.tiff"), "--modulation", path("modulation.tiff")});
+  ASSERT_EQ(plain.exit_code, 0) << plain.err;
+  const ProgramRun corrected = run_program({"reconstruct", pose, "--raw", "--correct-contrast",
+                                            "--depth", path("corrected.tiff"), "--json"});
+  ASSERT_EQ(corrected.exit_code, 0) << corrected.err;
+  const auto scan = nlohmann::json::parse(corrected.out)["scans"][0];
+  EXPECT_GT(scan["corrected_for_contrast"], 1000);
+
+  // 2. From the map and its modulation: the same depths, but where frames have more reasons.
+  const Words map{"reconstruct", path("coordinate.tiff"),    "--from", "coordinate",
+                  "--scanner",   path("poses/scanner.yaml"), "--raw",  "--correct-contrast",
+                  "--depth",     path("of_map.tiff")};
+  const ProgramRun of_map = run(map, {"--from-modulation", path("modulation.tiff")});
+  ASSERT_EQ(of_map.exit_code, 0) << of_map.err;
+  const auto [points, other] =
+      compared(read_map(path("corrected.tiff")), read_map(path("of_map.tiff")));
+  EXPECT_GT(compared(read_map(path("plain.tiff")), read_map(path("corrected.tiff"))).other, 1000);
+  EXPECT_LT(other, points / 20);
+
+  expect_refused(run(map, {}), "with --from, --correct-contrast needs --from-modulation");
+  simulate({});
+  forget_scanner();
+  expect_refused(reconstruct({"--correct-contrast"}), "--correct-contrast moves points");
+}
+
 INSTANTIATE_TEST_SUITE_P(Scans, MapProgramMistakenMaps, testing::Values(Words{}));
 
 }  // namespace slipstream::map_program_test

@@ -115,18 +115,21 @@ TEST_F(TwoCamerasProgram, LiveReportsFramesOfTheSecondCameraThatDoNotFit) {
   EXPECT_NE(run.err.find("in its scan.yaml in the order"), std::string::npos) << run.err;
 }
 
-TEST_F(TwoCamerasProgram, MatchedCamerasRefuseReflection) {
+TEST_F(TwoCamerasProgram, MatchedCamerasRefuseReflectionAndContrast) {
   const std::string folder = scan({"--strategy", "dual-frequency"});
   for (const std::vector<std::string>& arguments :
        {std::vector<std::string>{"reconstruct", folder, "-o", path("scan.ply")},
         std::vector<std::string>{"live", "--source", "replay:" + folder, "--second-camera",
                                  "replay:" + folder + "/second", "--headless"}}) {
-    std::vector<std::string> asked = arguments;
-    asked.insert(asked.end(), {"--reflection", "3"});
-    const ProgramRun run = run_program(asked);
-    EXPECT_EQ(run.exit_code, 2);
-    EXPECT_NE(run.err.find("--reflection and --local-reflection need"), std::string::npos)
-        << run.err;
+    for (const auto& [flags, said] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+             {{"--reflection", "3"}, "--reflection and --local-reflection need"},
+             {{"--correct-contrast"}, "--correct-contrast needs one camera"}}) {
+      std::vector<std::string> asked = arguments;
+      asked.insert(asked.end(), flags.begin(), flags.end());
+      const ProgramRun run = run_program(asked);
+      EXPECT_EQ(run.exit_code, 2);
+      EXPECT_NE(run.err.find(said), std::string::npos) << run.err;
+    }
   }
 }
 

@@ -25,6 +25,7 @@ SETTINGS = [
     ("nearest", "--nearest", [550.5]),
     ("farthest", "--farthest", [640.25]),
     ("raw", "--raw", [True]),
+    ("correct_contrast", "--correct-contrast", [True]),
     ("largest_sigma", "--largest-sigma", [0.5, 2]),
     ("smallest_component", "--smallest-component", [0, 50]),
     ("widest_gap", "--widest-gap", [3]),

@@ -93,33 +93,6 @@ def test_read_recording(tmp_path):
     assert "frame 2: uint8 (240, 320)" in said and "its first cycle" in said
 
 
-def test_contrast(tmp_path):
-    """The pull at a board's edges is three times less; a plain surface stays as it is."""
-    shown = ["--boards", "1", "--spacing", "15", "--strategy", "dual-frequency", "--high", "64",
-             "--steps", "8"]
-    program("simulate", tmp_path / "poses", *shown)
-    program("simulate", tmp_path / "exact", *shown, "--world", "ideal", "--virtual-noise", "0")
-
-    def maps(folder):
-        scan = slipstream.load_scan(folder)
-        return slipstream.decode(scan.frames, scan.sequence, raw=True, minimum_modulation=15)
-
-    poses, exact = tmp_path / "poses/board01/x", maps(tmp_path / "exact/board01/x")
-    assert "s^2 = 0.2" in run("contrast", poses, tmp_path / "coordinate.tiff")
-    corrected, measured = slipstream.load_map(tmp_path / "coordinate.tiff"), maps(poses)
-    off = abs(measured.coordinate - exact.coordinate)
-    changed = (corrected != measured.coordinate) & (measured.modulation > 15) & (off < 0.003)
-
-    def rms(coordinate):
-        return ((coordinate - exact.coordinate)[changed]**2).mean()**0.5
-
-    assert changed.sum() > 3000
-    assert rms(corrected) < rms(measured.coordinate) / 3
-
-    taken("dual-frequency", (640, 480), "board", tmp_path / "plain", steps=8, high=64)
-    assert "corrected 0 pixels" in run("contrast", tmp_path / "plain", tmp_path / "plain.tiff")
-
-
 def test_notebook():
     """In Jupyter's kernel where that is there, else cell by cell."""
     path = EXAMPLES / "notebook.ipynb"

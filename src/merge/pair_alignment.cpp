@@ -113,10 +113,11 @@ void describe_fit(const PreparedView& first, const PreparedView& second, std::si
   // A little error beyond the noise is taken for granted: interpolation between points errs by a
   // twentieth of their spacing.
   const double spacing = std::max(first.view().spacing, second.view().spacing);
+  const double interpolation = spacing / 20;
   std::size_t off = 0;
   Squares within;
   for (const SurfaceMatch& match : matches) {
-    const double sigma = std::hypot(match.sigma, spacing / 20);
+    const double sigma = std::hypot(match.sigma, interpolation);
     if (std::abs(match.distance) > off_surface * sigma) {
       ++off;
     } else {
@@ -126,7 +127,9 @@ void describe_fit(const PreparedView& first, const PreparedView& second, std::si
   alignment.misfits = share_of(off, matches.size());
   alignment.rms = within.rms();
 
-  // 3. The information of the matches about the pose, as if only independent ones counted.
+  // 3. The information of the matches about the pose, as if only independent ones counted. A motion
+  //    that few points hold, such as those on the sides of boxes, is not known better than between
+  //    these points, however small their noise.
   alignment.centre = centre_of(matches);
   const SurfaceEquations equations = equations_of(matches, alignment.centre);
   PatchScatter scatter(patch_of(first));
@@ -135,7 +138,8 @@ void describe_fit(const PreparedView& first, const PreparedView& second, std::si
   alignment.information = independent * equations.information;
 
   const WeakestMotion weakest = weakest_motion(equations, extent_of(matches, alignment.centre));
-  alignment.weakest_sigma = weakest.sigma / std::sqrt(independent);
+  alignment.weakest_sigma =
+      weakest.sigma / std::sqrt(independent) * std::hypot(1, interpolation / quantile(sigmas, 0.5));
   alignment.weakest_slope = weakest.slope;
 }
 

@@ -81,25 +81,35 @@ PreparedView::PreparedView(View view, float cell)
 
 void PreparedView::smooth() {
   constexpr float noisy = 0.2F, reach = 1.5F;  // spacings
-
+  constexpr float by_bend = 0.25F;             // spacings for each rad
   const auto is_noisy = [&](float sigma) { return sigma >= noisy * view_.spacing; };
-  if (std::ranges::none_of(view_.sigma, is_noisy)) return;
-  smooth_points_ = view_.points;
-  smooth_sigma_ = view_.sigma;
+
+  sigma_ = view_.sigma;
+  if (std::ranges::any_of(view_.sigma, is_noisy)) {
+    smooth_points_ = view_.points;
+    smooth_sigma_ = view_.sigma;
+  }
 
   grid_.for_each_cell([&](std::span<const std::uint32_t> inside, const NearPoints& near) {
     for (const std::uint32_t i : inside) {
-      if (!is_noisy(view_.sigma[i])) continue;
-
-      Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+      Eigen::Vector3f points = Eigen::Vector3f::Zero(), normals = Eigen::Vector3f::Zero();
       float count = 0;
       near.for_each_near(view_.points[i], reach * view_.spacing,
                          [&](std::size_t k, const Eigen::Vector3f&) {
-                           sum += view_.points[near.indices[k]];
+                           points += view_.points[near.indices[k]];
+                           normals += view_.normals[near.indices[k]];
                            ++count;
                          });
-      smooth_points_[i] = sum / count;
-      smooth_sigma_[i] = view_.sigma[i] / std::sqrt(count);
+
+      // At a crease the surface between the points is anywhere between its two sides.
+      const float bend = std::sqrt(std::max(2 * (1 - normals.norm() / count), 0.F));
+      const float between = by_bend * bend * view_.spacing;
+      const float sigma = view_.sigma[i];
+      sigma_[i] = std::hypot(sigma, between);
+      if (smooth_points_.empty()) continue;
+
+      smooth_sigma_[i] = std::hypot(is_noisy(sigma) ? sigma / std::sqrt(count) : sigma, between);
+      if (is_noisy(sigma)) smooth_points_[i] = points / count;
     }
   });
 }

@@ -26,9 +26,11 @@ class PreparedView {
   [[nodiscard]] std::span<const Eigen::Vector3f> smooth_points() const {
     return smooth_points_.empty() ? view_.points : smooth_points_;
   }
-  /// The standard deviations of these along the normal, mm.
+  /// The standard deviations of the view's points and of these along the normal, mm: by noise, and
+  /// at creases by the distance between points.
+  [[nodiscard]] std::span<const float> sigma() const { return sigma_; }
   [[nodiscard]] std::span<const float> smooth_sigma() const {
-    return smooth_points_.empty() ? view_.sigma : smooth_sigma_;
+    return smooth_points_.empty() ? sigma_ : smooth_sigma_;
   }
   [[nodiscard]] const Keypoints& keypoints() const { return keypoints_; }
   [[nodiscard]] const PointGrid& keypoint_grid() const { return keypoint_grid_; }
@@ -50,7 +52,7 @@ class PreparedView {
   View view_;
   PointGrid grid_;
   std::vector<Eigen::Vector3f> smooth_points_{};  ///< empty if no point needs the mean
-  std::vector<float> smooth_sigma_{};
+  std::vector<float> smooth_sigma_{}, sigma_{};
   Keypoints keypoints_;
   PointGrid keypoint_grid_;
   SeenSurface seen_;

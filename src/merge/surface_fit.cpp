@@ -93,7 +93,7 @@ SurfaceSamples coarse_surface(const PreparedView& view) {
 SurfaceSamples fine_surface(const PreparedView& view) {
   return {.points = view.view().points,
           .normals = view.view().normals,
-          .sigma = view.view().sigma,
+          .sigma = view.sigma(),
           .smooth_points = view.smooth_points(),
           .smooth_sigma = view.smooth_sigma(),
           .sample = view.sample(),

@@ -70,6 +70,37 @@ inline Mesh engine_part() {
   });
 }
 
+/// Three boxes of different sizes on a table, 200 mm wide, tilted so that their sides are seen.
+inline Mesh boxes() {
+  Mesh mesh;
+  const auto append_quad = [&](const Eigen::Vector3d& corner, const Eigen::Vector3d& along,
+                               const Eigen::Vector3d& across) {
+    append_surface(mesh, 1, 1, [&](double u, double v) -> Eigen::Vector3d {
+      return corner + u * along + v * across;
+    });
+  };
+  append_quad({-100, -100, 0}, {200, 0, 0}, {0, 200, 0});
+
+  struct Placed {
+    double x, y, turn, width, depth, height;
+  };
+  for (const auto& [x, y, turn, width, depth, height] :
+       {Placed{-50, 35, 0.3, 60, 40, 30}, {40, 45, -0.5, 45, 50, 45}, {10, -45, 0.9, 70, 30, 20}}) {
+    const Eigen::Vector3d along(width * std::cos(turn), width * std::sin(turn), 0);
+    const Eigen::Vector3d across(-depth * std::sin(turn), depth * std::cos(turn), 0);
+    const Eigen::Vector3d up(0, 0, height);
+    const Eigen::Vector3d corner = Eigen::Vector3d(x, y, 0) - (along + across) / 2;
+    append_quad(corner + up, along, across);
+    append_quad(corner, along, up);
+    append_quad(corner + across, along, up);
+    append_quad(corner, across, up);
+    append_quad(corner + along, across, up);
+  }
+  const Eigen::Isometry3d tilt = turned({1, 0.4, 0}, 35);
+  for (Eigen::Vector3d& vertex : mesh.vertices) vertex = tilt * vertex;
+  return mesh;
+}
+
 /// A dished plate with `count` equal cones around its middle.
 inline Mesh ring_of_cones(int count) {
   return plate([count](double x, double y) {

@@ -73,7 +73,7 @@ struct ReconstructSettings {
 
   /// Whether points of clouds are moved to where they would lie without the camera's blur, which
   /// pulls coordinates towards the brighter side where reflectivity changes. Needs the whole
-  /// picture, and phases: codes alone have none.
+  /// picture, and phases: codes alone have none. Depths and packed points stay as measured.
   bool correct_contrast = false;
 
   /// Which points of a finished cloud are removed.

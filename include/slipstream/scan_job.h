@@ -119,7 +119,8 @@ struct ScanResult {
   /// If wanted, or needed for the rest: with two cameras, both axes,
   /// uncertainty or correction of contrast.
   Maps maps{};
-  std::optional<std::ptrdiff_t> pulled_pixels{};  ///< by contrast; nullopt if not corrected
+  /// Pixels that contrast had pulled, with or without a point in the end; nullopt if not corrected.
+  std::optional<std::ptrdiff_t> pulled_pixels{};
   std::optional<Uncertainty> uncertainty{};
   std::optional<ErrorBudget> budget{};      ///< with the uncertainty, of one camera
   std::optional<EpipolarCheck> epipolar{};  ///< with patterns along both axes

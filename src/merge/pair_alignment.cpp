@@ -127,9 +127,7 @@ void describe_fit(const PreparedView& first, const PreparedView& second, std::si
   alignment.misfits = share_of(off, matches.size());
   alignment.rms = within.rms();
 
-  // 3. The information of the matches about the pose, as if only independent ones counted. A motion
-  //    that few points hold, such as those on the sides of boxes, is not known better than between
-  //    these points, however small their noise.
+  // 3. The information of the matches about the pose, as if only independent ones counted.
   alignment.centre = centre_of(matches);
   const SurfaceEquations equations = equations_of(matches, alignment.centre);
   PatchScatter scatter(patch_of(first));
@@ -138,8 +136,12 @@ void describe_fit(const PreparedView& first, const PreparedView& second, std::si
   alignment.information = independent * equations.information;
 
   const WeakestMotion weakest = weakest_motion(equations, extent_of(matches, alignment.centre));
+
+  // Interpolation errs by the same at all points of a side or an edge, so that a motion is not
+  // known better than by it, however small the noise.
+  const double noise = std::max(quantile(sigmas, 0.5), 1e-3 * interpolation);
   alignment.weakest_sigma =
-      weakest.sigma / std::sqrt(independent) * std::hypot(1, interpolation / quantile(sigmas, 0.5));
+      weakest.sigma / std::sqrt(independent) * std::hypot(1, interpolation / noise);
   alignment.weakest_slope = weakest.slope;
 }
 
@@ -201,7 +203,7 @@ PairAlignment fitted(const PreparedView& first, const PreparedView& second,
   const SurfaceSamples one = fine_surface(first), other = fine_surface(second);
   PairAlignment alignment;
 
-  // Comes near the pose with a part of the points, and settles with all of the step.
+  // Comes near the pose with a part of the points, and settles with every `step`-th.
   alignment.pose = settled_pose(one, other, start, cell, nearest, rounds, std::max(step, sparse));
   if (step < sparse) {
     alignment.pose = settled_pose(one, other, alignment.pose, nearest, nearest, rounds, step);

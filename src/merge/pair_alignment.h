@@ -46,7 +46,8 @@ struct PairAlignment {
   /// first view's frame, from the noise and the residuals.
   Matrix6 information = Matrix6::Zero();
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  /// Standard deviation of the least known motion of the common surface, mm.
+  /// Standard deviation of the least known motion of the common surface, mm: by noise and, other
+  /// than in the information, by the interpolation between points.
   double weakest_sigma = 0;
   /// How much the common surface leans against its least known motion: RMS slope, 0 for a plane.
   double weakest_slope = 0;

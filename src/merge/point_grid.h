@@ -102,7 +102,7 @@ class PointGrid {
   [[nodiscard]] Range range_of(std::uint64_t key) const;
 
   void mark_blocks();
-  /// False if no point is within the edge of a block from a place.
+  /// False only if no point is as near to a place as a block's edge is long.
   [[nodiscard]] bool is_near_points(const Eigen::Vector3f& place) const;
 
   struct Slot {
@@ -117,10 +117,10 @@ class PointGrid {
   std::vector<std::uint32_t> firsts_{};    ///< of each cell's points, and the end of the last
   std::vector<Slot> slots_{};              ///< hash table of the cells; its size is a power of 2
 
-  // Coarse blocks of all points and one more on each side: whether points are in it or beside it.
-  float block_ = 1;  ///< edge, mm
-  Eigen::Array3i blocks_ = Eigen::Array3i::Zero();
-  std::vector<bool> near_points_{};
+  // Coarse blocks around all points, one more on each side.
+  float block_ = 1;                                 ///< edge, mm
+  Eigen::Array3i blocks_ = Eigen::Array3i::Zero();  ///< number along each axis
+  std::vector<bool> near_points_{};                 ///< whether it or one beside it has points
 };
 
 /// One point for each cubic cell of that edge: the index of the point nearest to the mean of the

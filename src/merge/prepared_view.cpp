@@ -92,24 +92,24 @@ void PreparedView::smooth() {
 
   grid_.for_each_cell([&](std::span<const std::uint32_t> inside, const NearPoints& near) {
     for (const std::uint32_t i : inside) {
-      Eigen::Vector3f points = Eigen::Vector3f::Zero(), normals = Eigen::Vector3f::Zero();
+      Eigen::Vector3f place = Eigen::Vector3f::Zero(), normal = Eigen::Vector3f::Zero();  // sums
       float count = 0;
       near.for_each_near(view_.points[i], reach * view_.spacing,
                          [&](std::size_t k, const Eigen::Vector3f&) {
-                           points += view_.points[near.indices[k]];
-                           normals += view_.normals[near.indices[k]];
+                           place += view_.points[near.indices[k]];
+                           normal += view_.normals[near.indices[k]];
                            ++count;
                          });
 
       // At a crease the surface between the points is anywhere between its two sides.
-      const float bend = std::sqrt(std::max(2 * (1 - normals.norm() / count), 0.F));
+      const float bend = std::sqrt(std::max(2 * (1 - normal.norm() / count), 0.F));
       const float between = by_bend * bend * view_.spacing;
       const float sigma = view_.sigma[i];
       sigma_[i] = std::hypot(sigma, between);
       if (smooth_points_.empty()) continue;
 
       smooth_sigma_[i] = std::hypot(is_noisy(sigma) ? sigma / std::sqrt(count) : sigma, between);
-      if (is_noisy(sigma)) smooth_points_[i] = points / count;
+      if (is_noisy(sigma)) smooth_points_[i] = place / count;
     }
   });
 }

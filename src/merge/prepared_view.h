@@ -26,8 +26,8 @@ class PreparedView {
   [[nodiscard]] std::span<const Eigen::Vector3f> smooth_points() const {
     return smooth_points_.empty() ? view_.points : smooth_points_;
   }
-  /// The standard deviations of the view's points and of these along the normal, mm: by noise, and
-  /// at creases by the distance between points.
+  /// The standard deviations of the view's points, and of the smooth ones, along the normal, mm: by
+  /// noise, and at creases by the distance between points.
   [[nodiscard]] std::span<const float> sigma() const { return sigma_; }
   [[nodiscard]] std::span<const float> smooth_sigma() const {
     return smooth_points_.empty() ? sigma_ : smooth_sigma_;

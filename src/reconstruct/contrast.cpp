@@ -11,6 +11,7 @@
 #include "base/statistics.h"
 #include "base/throw_if-inl.h"
 #include "reconstruct/points.h"
+#include "slipstream/unwrapping.h"
 
 namespace slipstream {
 namespace {
@@ -238,7 +239,7 @@ double sharpest_blur(const Image<float>& modulation, const Surface& surface) {
   return s2;
 }
 
-/// A variance, and how much more likely it makes the surface than none.
+/// A variance, and by how much it lowers the mean cost of the distances from a plane.
 struct BestVariance {
   double variance = 0, gain = 0;
 };
@@ -267,7 +268,7 @@ BestVariance best_variance(const Surface& surface, const Image<float>& pull, dou
     distances.push_back({.before = modulation * roughness(surface.coordinate, surface, column, row),
                          .by_pull = modulation * roughness(pull, surface, column, row)});
   }
-  if (distances.empty()) return {};
+  if (distances.empty() || !(surface.noise > 0)) return {};
 
   // 2. The least cost.
   BestVariance best;
@@ -319,10 +320,11 @@ Image<std::uint8_t> near_strong(const Image<std::uint8_t>& strong) {
   return near;
 }
 
-/// Leaves the pull only where it makes the surroundings smoother and there is no step.
+/// Scales the pull of a variance of 1 to this one; at steps, and if the surroundings would not
+/// become smoother, it is 0.
 void keep_improvements(const Surface& surface, double variance, Image<float>& pull) {
-  constexpr double roughest = 9;  // times the variance of the whole picture: a corrected surface's
-  constexpr double most = 100;    // the same of one pixel: a wrong fringe order counts little
+  constexpr double roughest = 9;  // largest mean square of a corrected surface, in the noise's
+  constexpr double most = 100;    // largest square of one pixel: a wrong fringe order counts little
 
   // 1. The squared distances from a plane, weighted, before and after.
   const Size size = pull.size();
@@ -370,7 +372,7 @@ Eigen::Vector3d moved_by(double change, const Eigen::Vector3d& point, const Engi
 
 ContrastPull contrast_pull(const Image<float>& coordinate, const Image<float>& modulation,
                            const Image<Validity>& validity) {
-  constexpr double least_gain = 0.0125;  // mean gain in likelihood of the significant pixels
+  constexpr double least_gain = 0.0125;  // of the mean cost
   const Surface surface = surface_of(coordinate, modulation, validity);
 
   // 1. The variance; the slopes are measured again on the surface that it leaves.
@@ -395,6 +397,8 @@ void require_contrast_correctable(const EngineSetup& setup) {
 }
 
 void correct_contrast(const EngineSetup& setup, Cloud& cloud, Maps& maps) {
+  throw_if(maps.coordinate.size() != cloud.size() || maps.modulation.size() != cloud.size(),
+           "`correct_contrast` needs coordinates and modulation of the cloud's size");
   maps.contrast = contrast_pull(maps.coordinate, maps.modulation, cloud.validity).pull;
 
   for_each_pixel(cloud.size(), [&](int column, int row) {

@@ -10,7 +10,7 @@ namespace slipstream {
 /// How far contrast pulls each coordinate.
 struct ContrastPull {
   double variance = 0;  ///< s^2, pixels^2; 0: too little pull to tell it from noise
-  Image<float> pull{};  ///< to be subtracted from y, fields; 0 where y stays; empty without any
+  Image<float> pull{};  ///< to be subtracted from y, fields; 0 where y stays
 };
 
 /// Finds s^2 where the surface is smoothest after correction, and the pull of the pixels whose

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/numbers.h"
 #include "base/throw_if-inl.h"
@@ -11,7 +12,7 @@
 namespace slipstream {
 
 Cloud cloud_of_coordinates(Image<double> coordinates, const EngineSetup& setup,
-                           const Image<float>& modulation) {
+                           const Image<float>& modulation, Maps* corrected) {
   // 1. Check that the sizes match.
   require_valid(setup);
   const Size camera = setup.scanner.camera.size;
@@ -37,12 +38,14 @@ Cloud cloud_of_coordinates(Image<double> coordinates, const EngineSetup& setup,
   const Triangulator triangulate(setup.scanner, setup.sequence.axis, PointMethod::form3);
   Cloud cloud;
   convert(triangulated(coordinates, std::move(validity), triangulate, setup), cloud);
+  Maps maps;
+  maps.coordinate = converted<float>(coordinates);
   if (setup.settings.correct_contrast) {
-    Maps maps;
     maps.modulation = modulation;
-    maps.coordinate = converted<float>(coordinates);
     correct_contrast(setup, cloud, maps);
+    maps.modulation = {};
   }
+  if (corrected != nullptr) *corrected = std::move(maps);
 
   std::ranges::fill(cloud.intensity, 255.F);
   Cleaner(setup.settings.clean)(cloud, modulation.empty() ? nullptr : &modulation);

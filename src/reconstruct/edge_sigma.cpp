@@ -112,11 +112,13 @@ double change_along(const Surroundings& around, const Eigen::Vector2d& direction
   return along > 0 ? along : all;
 }
 
-/// By how much contrast pulls a pixel's coordinate, fields: towards the brighter side of the
-/// pixel. That is s^2 (grad B / B) . grad y, with the variance s^2 of the places that it mixes.
+/// By how much contrast still pulls a pixel's coordinate, fields: towards the brighter side of the
+/// pixel. Uncorrected that is s^2 (grad B / B) . grad y, with the variance s^2 of the places that
+/// it mixes.
 double pull_of_contrast(const Cloud& cloud, const Maps& maps, int column, int row) {
-  // Where a pull was taken from the coordinate, a share of it is left: of virtual chessboards 0.16
-  // behind a good lens to 0.33 behind a poor one.
+  // Where a pull was taken from the coordinate, a share of it is left. The errors of virtual
+  // chessboards beyond their noise are 0.16 of the pull behind a good lens to 0.33 behind a poor
+  // one.
   constexpr double left = 0.25;
   const double taken = maps.contrast.empty() ? 0 : std::abs(maps.contrast(column, row));
   if (taken > 0) return left * taken;

@@ -273,7 +273,8 @@ ValidityCounts Engine::run(const FrameViews& captured, const Outputs& outputs) {
     made.modulation = &memory.modulation;
   }
 
-  // 2. Compute, and correct for motion, contrast and exposure.
+  // 2. Compute, and correct for motion, light of other surfaces, contrast
+  //    and exposure.
   if (made.maps != nullptr) made.maps->contrast = {};  // of an earlier use
   compute(frames, made, nullptr);
   reject_moved(frames, made);

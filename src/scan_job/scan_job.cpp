@@ -168,6 +168,13 @@ std::optional<Finding> missing_points(ValidityCounts counts, const ReconstructSe
       .remedies = {{advice_on(most)}}};
 }
 
+/// Counts the pixels that contrast had pulled, if that was corrected.
+void count_pulled(ScanResult& result) {
+  const Image<float>& pull = result.maps.contrast;
+  if (pull.empty()) return;
+  result.pulled_pixels = std::ranges::count_if(pull, [](float taken) { return taken != 0; });
+}
+
 /// Counts the pixels by validity; warns of missing points.
 void count(ScanResult& result, const ReconstructSettings& settings, ScanOutput output) {
   result.counts = count_by_validity(result.cloud.validity);
@@ -312,9 +319,7 @@ void ScanJob::compute(const CheckedJob& job, ScanResult& result) {
     engine.cloud(scan.frames, result.cloud);
   }
 
-  if (const Image<float>& pull = result.maps.contrast; !pull.empty()) {
-    result.pulled_pixels = std::ranges::count_if(pull, [](float taken) { return taken != 0; });
-  }
+  count_pulled(result);
 
   result.backend = engine.backend_for(scan.frames);
   result.fallback_reason = engine.fallback_reason();
@@ -429,8 +434,8 @@ ScanResult reconstruct_map(const Image<double>& coordinates, const EngineSetup& 
                            const Image<float>& modulation, CheckedScan checked) {
   Stopwatch watch;
   ScanResult result{.setup = setup, .checked = std::move(checked), .backend = "reference"};
-  result.cloud = cloud_of_coordinates(coordinates, setup, modulation);
-  result.maps.coordinate = converted<float>(coordinates);
+  result.cloud = cloud_of_coordinates(coordinates, setup, modulation, &result.maps);
+  count_pulled(result);
   count(result, setup.settings, ScanOutput::points);
   result.computing = watch.lap();
   return result;

@@ -80,6 +80,7 @@ TEST(PairAlignmentAlignViews, RefusesAPartThatRepeatsItself) {
   EXPECT_EQ(found.refusal, Refusal::repeats) << found.reason;
 }
 
+// So few points leave its motion open, too; either reason is right.
 TEST(PairAlignmentAlignViews, RefusesARepeatedPartOfFewPoints) {
   const Pair pair =
       pair_of(ring_of_cones(4), front, before_camera(turned({0, 1, 0}, 15)), 0.1, 1, {90, 68});
